@@ -1,4 +1,4 @@
-// The machinery of an application: its module, and asking drones with a deadline.
+// The internals of an application: its module, and requests to drones with a deadline.
 #pragma once
 
 #include "directory.hpp"
@@ -13,58 +13,60 @@
 
 namespace hive {
 
-/// The error of a drone, saying whose it is.
+/// The error of a drone, with the drone's name.
 Error named(const std::string& drone, const Error& error);
-/// An error when the peer at a place is not the drone that is meant: a port may be another one's by now.
+/// An error if the peer at a place is another drone: a port may have been reused.
 std::optional<Error> met_another(const Place& place, const event::Link& link);
 
 class Application::Core {
 public:
     explicit Core(Application::Options options);
 
-    /// Asks one drone and waits; throws what it answers.
+    /// Sends a request to one drone and waits; throws the error that it answers.
     Json ask(const std::string& drone, protocol::PacketType type, const Json& header = Json::object(),
              const Body& body = {});
-    /// Asks several, as many at once as descriptors allow, each its own header, and waits for all.
+    /// Sends requests to several, in parallel as far as descriptors allow, each with its own header, and waits for all.
     std::vector<Answer> ask_all(const std::vector<std::string>& drones, protocol::PacketType type,
                                 const std::vector<Json>& headers);
     std::vector<Answer> ask_all(const std::vector<std::string>& drones, protocol::PacketType type, const Json& header);
-    /// Where a drone is met. Throws Errc::not_found, with the nearest name, when none of this name is known, and
-    /// Errc::invalid_argument when several are.
+    /// Where a drone is reachable. Throws Errc::not_found, with the nearest name, if the name is unknown, and
+    /// Errc::invalid_argument if several drones have it.
     Place place(const std::string& drone) const;
-    /// The same, but what was said is kept as the error of an answer.
+    /// The same, but an error is returned in the answer.
     [[nodiscard]] std::variant<Place, Error> place_or_error(const std::string& drone) const;
-    /// The same for several. Among many, nobody has mistyped one: what is missing is not compared with all there are.
+    /// The same for several. Many names were not typed by hand, so missing ones are not compared with all known names.
     [[nodiscard]] std::vector<std::variant<Place, Error>>
     places_or_errors(const std::vector<std::string>& drones) const;
-    /// The error when there is none.
+    /// The error for an unknown name.
     [[nodiscard]] Error not_running(const std::string& drone) const;
-    /// Asks the receiver.
+    /// Sends the request to the receiver.
     void disconnect(const Endpoint& sender, const Endpoint& receiver);
     /// Asks the sender to stop waiting for a receiver that is gone.
     void forget(const Endpoint& sender, const Endpoint& receiver);
-    /// Where the receiver can reach the sender, the nearest first; an empty one: by its name in the receiver's home.
+    /// Addresses at which the receiver can reach the sender, the nearest first; an empty one: by name in the receiver's
+    /// home.
     std::vector<std::string> ways(const std::string& sender, const std::string& receiver);
-    /// Writes down which drones of other machines have just answered.
+    /// Saves which drones of other machines have just answered.
     void note_answers(const std::vector<StatusAnswer>& answers);
-    /// Does a drone live there, as far as it can be told from here?
+    /// Is a drone running there, as far as this machine can determine?
     [[nodiscard]] bool answers(const Place& place);
-    /// Ends a drone of this machine that does not do so itself, and forgets what it was told.
+    /// Kills a drone of this machine that does not exit, and discards its state.
     void kill(const std::string& drone) const;
-    /// Strikes its place off the list when it is. By then one of this machine is killed; of another one the error is
-    /// Errc::timeout.
+    /// Removes its place from the list once it has exited. At the deadline one of this machine is killed; for another
+    /// one the error is Errc::timeout.
     [[nodiscard]] std::optional<Error> wait_until_gone(const Place& place, event::Clock::time_point until);
-    /// Has what this drone was told outlived it?
+    /// Has this drone crashed and left its saved state?
     [[nodiscard]] bool remembers(const std::string& drone) const;
     [[nodiscard]] std::vector<std::string> remembered() const;
-    /// With the output's name, when the drone has only one.
+    /// Adds the output's name if the drone has only one.
     Endpoint with_output(const Endpoint& end);
     [[nodiscard]] event::Clock::time_point deadline() const { return event::Clock::now() + timeout; }
-    /// Until `done`, which is asked with the turn, or the deadline. Throws Errc::stopped when the caller has cancelled.
+    /// Waits until `done`, called with the turn of the loop, or the deadline. Throws Errc::stopped if the caller has
+    /// cancelled.
     void wait(event::Clock::time_point deadline, const std::function<bool()>& done);
     void require_not_cancelled() const;
 
-    /// Comes by the deadline: the module sees to it.
+    /// Set by the deadline at the latest: the module guarantees it.
     using Reply = std::shared_ptr<const std::optional<event::Outcome>>;
     Reply send(const Place& place, protocol::PacketType type, const Json& header, const Body& body,
                event::Clock::time_point until);
@@ -74,7 +76,7 @@ public:
     std::function<bool()> cancelled;  ///< may be empty
     Directory directory;
     event::Module module;
-    std::atomic<std::int64_t> sets = 0;  ///< that were answered: a source may go on that had ended
+    std::atomic<std::int64_t> sets = 0;  ///< answered: a set may restart a source that had ended
 
 private:
     struct Asking;

@@ -10,7 +10,7 @@
 
 namespace hive {
 
-/// What is written to a log from now on.
+/// The part of a log that is written from now on.
 class LogFromNow {
 public:
     LogFromNow(std::filesystem::path file);
@@ -19,23 +19,23 @@ public:
 
 private:
     std::filesystem::path file_;
-    std::uintmax_t begin_;  ///< what was in it before
+    std::uintmax_t begin_;  ///< its size before
 };
 
 class BackgroundProcess : public Child {
 public:
     enum class Life {
-        own,  ///< goes on when the one that started it has ended
-        tied  ///< gets SIGTERM when the one that started it ends, however it ends
+        own,  ///< keeps running when the process that started it exits
+        tied  ///< gets SIGTERM when the process that started it exits for any reason
     };
 
     /// Starts it in a session of its own. It inherits no descriptor: stdin is /dev/null, stdout and stderr are appended
-    /// to `log`. `environment` are NAME=VALUE on top of ours. Throws Errc::io.
-    /// A tied one ends with the thread that started it: let the main thread do that.
+    /// to `log`. `environment` are NAME=VALUE in addition to ours. Throws Errc::io. A tied one dies with the thread
+    /// that started it: use the main thread.
     BackgroundProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments,
                       const std::vector<std::string>& environment, LogFromNow log, Life life);
 
-    /// A drone ends within two seconds, whatever its code does.
+    /// A drone exits within two seconds, whatever its code does.
     void end(Clock::time_point kill_at = Clock::now() + std::chrono::seconds(3)) { Child::end(kill_at); }
     /// The last lines that it wrote, at most `lines`.
     [[nodiscard]] std::string last_words(std::size_t lines) const { return log_.last_lines(lines); }

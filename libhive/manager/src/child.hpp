@@ -1,4 +1,4 @@
-// One started process: how it begins, a descriptor that tells of its end, and how it is ended.
+// One child process: starts it, signals its exit with a descriptor, and stops it.
 #pragma once
 
 #include <hive/transport/descriptor.hpp>
@@ -11,35 +11,35 @@
 
 namespace hive {
 
-/// What is run, and what it has of ours.
+/// The command of a child, and what it inherits.
 struct ChildProgram {
-    std::vector<std::string> words;        ///< the program first; of $PATH, unless there is a slash in it
-    std::vector<std::string> environment;  ///< NAME=VALUE on top of ours
-    int in = -1, out = 1, err = 2;         ///< our descriptors that it gets; -1: /dev/null. It gets no others
+    std::vector<std::string> words;        ///< the program first; looked up in $PATH, unless it has a slash
+    std::vector<std::string> environment;  ///< NAME=VALUE in addition to ours
+    int in = -1, out = 1, err = 2;         ///< descriptors that it inherits, and no others; -1: /dev/null
     bool own_session = true;               ///< so that Ctrl-C at our terminal does not reach it
-    bool tied = false;                     ///< it gets SIGTERM when the thread that starts it ends
+    bool tied = false;                     ///< it gets SIGTERM when the thread that starts it exits
 };
 
-/// Not ended with the object, unless that is asked for: reap_background_processes() looks after it then.
+/// By default the process outlives the object; reap_background_processes() then reaps it.
 class Child {
 public:
     using Clock = std::chrono::steady_clock;
 
-    /// Throws Errc::io when it cannot be run.
+    /// Throws Errc::io if the program cannot be run.
     explicit Child(const ChildProgram& program);
     ~Child();
     Child(Child&& other) noexcept;
     Child& operator=(Child&& other) noexcept;
 
     [[nodiscard]] pid_t pid() const { return pid_; }
-    /// Readable when it has ended.
+    /// Readable when it has exited.
     [[nodiscard]] int descriptor() const { return descriptor_.get(); }
-    /// The status as of waitpid once it has ended; it is reaped then. Exit code 126 when the program around us has
-    /// reaped it: nobody can tell how it ended, which is no success.
+    /// The status as of waitpid once it has exited; it is then reaped. Exit code 126 if other code of this process has
+    /// reaped it: its status is unknown, and that is not a success.
     std::optional<int> ended();
-    /// Waits for its end. False: it has not ended by then.
+    /// Waits until it exits. False: not by then.
     bool await_end(Clock::time_point until);
-    /// Asks it to end, then insists at that time; returns when it is reaped.
+    /// Sends SIGTERM, and SIGKILL at that time; returns when it is reaped.
     void end(Clock::time_point kill_at);
 
 private:
@@ -48,10 +48,10 @@ private:
     std::optional<int> status_{};
 };
 
-/// The exit code of a status as of waitpid: 128 + signal when it was killed.
+/// The exit code of a status as of waitpid: 128 + signal if it was killed.
 int exit_code_of_status(int status);
-/// Throws Errc::io unless the error, as of errno, is 0.
-/// @param what  was tried: "run ssh"
+/// Throws Errc::io unless `error`, an errno, is 0.
+/// @param what  that failed: "run ssh"
 void require_done(int error, const std::string& what);
 
 }  // namespace hive

@@ -1,4 +1,4 @@
-// Reads what drones have written of their crashes.
+// Reads the crash reports of drones.
 #pragma once
 
 #include <hive/application.hpp>
@@ -6,7 +6,7 @@
 
 namespace hive {
 
-/// Of those that do not run. Sorted.
+/// Of drones that are not running. Sorted.
 std::vector<CrashedDrone> crashed_drones(const event::Home& home);
 
 }  // namespace hive

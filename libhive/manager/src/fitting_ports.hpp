@@ -1,4 +1,4 @@
-// Which ports of two drones are connected, when one or both are not named.
+// Infers the ports of a connection if one or both are not named.
 #pragma once
 
 #include <hive/application.hpp>
@@ -7,12 +7,12 @@
 
 namespace hive {
 
-/// The one pair of an output and an input that fits. Throws Errc::not_found when a port is not there,
-/// Errc::type_mismatch when none fits, Errc::invalid_argument when several do.
+/// The only matching pair of an output and an input. Throws Errc::not_found if a named port does not exist,
+/// Errc::type_mismatch if no pair matches, Errc::invalid_argument if several do.
 std::pair<const Port*, const Port*> fitting_ports(const Endpoint& sender, const Interface& from,
                                                   const Endpoint& receiver, const Interface& to);
 
-/// A drone that keeps state between events is to share them.
+/// Refuses to share work with a stateful drone.
 Error sharing_refused(const std::string& drone);
 
 }  // namespace hive

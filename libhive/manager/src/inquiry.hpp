@@ -1,4 +1,4 @@
-// Asks drones how they are without waiting for any of them, and waits for whatever comes first.
+// Queries the statuses of drones without blocking, and waits for the first event of several.
 #pragma once
 
 #include "application_core.hpp"
@@ -15,24 +15,24 @@ class Inquiry {
 public:
     using Clock = event::Clock;
 
-    /// @param pause  before a drone that has answered is asked again
+    /// @param pause  before a drone that has answered is queried again
     explicit Inquiry(Application& application, std::chrono::milliseconds pause = std::chrono::milliseconds(10))
         : core_(*application.core_), pause_(pause)
     {
     }
 
-    /// Asks those of which no answer is due. Each answer is there within `limit`, if only as an error.
+    /// Queries the drones without a pending query. Each answer arrives within `limit`, at least as an error.
     void ask(const std::vector<std::string>& drones, std::chrono::milliseconds limit);
-    /// What has come since the last call, with the first page of the rows of each.
+    /// The answers since the last call, each with the first page of its rows.
     std::vector<StatusAnswer> take();
-    /// Until an answer can be taken, a descriptor is readable, or the time has come.
+    /// Waits until an answer has arrived, a descriptor is readable, or that time.
     void wait(Clock::time_point until, const std::vector<int>& descriptors);
 
 private:
     struct Asked {
         Place place{};
-        Application::Core::Reply reply{};  ///< null: not being asked
-        Clock::time_point next{};          ///< not to be asked earlier
+        Application::Core::Reply reply{};  ///< null: no pending query
+        Clock::time_point next{};          ///< time of the next query
     };
 
     Application::Core& core_;

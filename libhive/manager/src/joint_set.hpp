@@ -1,4 +1,4 @@
-// One set for many drones: prepared on all of them, then committed on all or on none.
+// Sets parameters of many drones: prepares on all, then commits on all or on none.
 #pragma once
 
 #include <hive/application.hpp>
@@ -11,15 +11,15 @@
 
 namespace hive {
 
-/// For one thread, once. A drone that somebody else is setting is asked again until the deadline.
+/// For one thread, once. If another application is setting a drone, the set is retried until the deadline.
 class JointSet {
 public:
     struct Terms {
-        /// What they are called, and where each is met, or why nobody knows that.
+        /// Names and places of the drones, or why a place is unknown.
         std::vector<std::pair<std::string, std::variant<Place, Error>>> drones;
         Json parameters;
         event::Clock::time_point deadline;  ///< nothing is committed later
-        std::function<bool()> cancelled;    ///< asked all the time; once true, nothing more is decided to be committed
+        std::function<bool()> cancelled;    ///< polled; once true, nothing is committed any more
     };
     JointSet(event::Module& module, Terms terms);
 
@@ -32,9 +32,9 @@ private:
         void let_go();
 
         std::string drone;
-        event::LinkPtr link;  ///< which was asked to prepare; the decision is for no other
+        event::LinkPtr link;  ///< the link of the prepare; the decision goes to no other
         std::optional<event::Outcome> prepared, decided;
-        bool over = false;  ///< decided: what comes of the prepare now is of no interest
+        bool over = false;  ///< decided: the outcome of the prepare is ignored now
     };
     using PartPtr = std::shared_ptr<Part>;
     using Condition = bool (JointSet::*)();
@@ -47,7 +47,7 @@ private:
     [[nodiscard]] static bool may_hold(const Part& part);
     void tell(const PartPtr& part, const char* decision, event::Clock::time_point until);
     void pause();
-    /// Until the condition, which is asked with the turn.
+    /// Waits until the condition, called with the turn.
     void wait(event::Clock::time_point until, Condition done, const std::function<bool()>& cancelled);
 
     // --- with the turn ---
@@ -69,7 +69,7 @@ private:
     std::vector<PartPtr> parts_;
 };
 
-/// The deadline that a drone is given, so that it answers before its asker gives up at `deadline`.
+/// The deadline for a drone, so that it answers before its caller gives up at `deadline`.
 std::int64_t deadline_ms_before(event::Clock::time_point deadline);
 
 }  // namespace hive

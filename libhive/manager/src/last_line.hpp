@@ -1,4 +1,4 @@
-// What a program said last, which usually is why it failed.
+// A program's last line, usually the reason it failed.
 #pragma once
 
 #include <sstream>
@@ -6,7 +6,7 @@
 
 namespace hive {
 
-/// Without blanks at its end; lines of blanks do not count.
+/// Without trailing blanks; blank lines are skipped.
 inline std::string last_line(const std::string& text)
 {
     std::istringstream lines(text);

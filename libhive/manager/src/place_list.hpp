@@ -1,4 +1,4 @@
-// The list of places: a small file in the home that says where drones on other machines are.
+// The list of places: a small file in the home with the addresses of drones on other machines.
 #pragma once
 
 #include <hive/application.hpp>
@@ -15,15 +15,15 @@ class PlaceList {
 public:
     explicit PlaceList(const std::filesystem::path& home);
 
-    /// As the file has them now, sorted by drone. Throws Errc::malformed, Errc::io.
+    /// The current content of the file, sorted by drone. Throws Errc::malformed, Errc::io.
     [[nodiscard]] const std::vector<Place>& places() const;
-    /// Adds a place; one of the same drone at the same host and port is replaced. Throws Errc::invalid_argument.
+    /// Adds a place, and replaces one of the same drone at the same host and port. Throws Errc::invalid_argument.
     void add(const Place& place);
-    /// Adds places; whatever else the list says of the same drones at the same hosts is out of date and goes.
+    /// Adds places, and removes older ones of the same drones at the same hosts.
     void replace(const std::vector<Place>& places);
-    /// False: it was not there.
+    /// False: not found.
     bool forget(const Place& place);
-    /// These have answered now. What cannot be written is left out: nobody has asked for it.
+    /// Saves that these have answered now. Ignores errors: no caller asked for it.
     void answered(const std::vector<Place>& places) noexcept;
 
 private:

@@ -1,16 +1,16 @@
-// A drone that is one file of Python, and no program of a kind: how it is run.
+// Runs a drone that is one Python file.
 #pragma once
 
 #include <hive/program.hpp>
 
 namespace hive {
 
-/// A file that may be run.
+/// Is it an executable regular file?
 bool is_program(const std::filesystem::path& file);
 
-/// With the first interpreter that has the modules that the file imports at its top: $HIVE_PYTHON alone, or that of the
-/// active environment, python3 in $PATH and /usr/bin/python3. Throws Errc::not_found when there is no such file or no
-/// such interpreter; the text names each interpreter and what it lacks.
+/// Uses the first interpreter with the modules that the file imports at its top: $HIVE_PYTHON alone, or that of the
+/// active environment, python3 in $PATH and /usr/bin/python3. Throws Errc::not_found if there is no such file or
+/// interpreter; the text names each interpreter and its missing modules.
 DroneCommand command_of_python_file(const std::string& kind);
 
 }  // namespace hive

@@ -1,5 +1,5 @@
-// Puts the results of workers that share a job back into the order of the job's turns, which have no gaps even when the
-// source skips. Pure logic: no clock of its own.
+// Restores the order of the results of a group by its turns, which have no gaps even if the source skips. Pure logic:
+// no clock of its own.
 #pragma once
 
 #include <hive/event.hpp>
@@ -16,76 +16,75 @@
 
 namespace hive {
 
-/// What is not shared work comes as it came: each sender keeps the order by itself.
+/// Results without a turn pass unchanged: their sender keeps the order.
 class Reorder {
 public:
     using TimePoint = std::chrono::steady_clock::time_point;
 
-    static constexpr std::size_t live_window = 64;  ///< live results waiting for an earlier one, at most
-    /// For a turn that has had its answer: the result may still be on its way here, or the worker gave none.
+    static constexpr std::size_t live_window = 64;  ///< maximum number of live results that wait for an earlier one
+    /// For a closed turn: the result may still be in flight, or the worker made none.
     static constexpr std::chrono::milliseconds closed_patience{200};
-    /// For a turn that was given out when this began to receive, and that no worker has in hand.
+    /// For a turn that was dispatched before receiving began, and that no worker has in hand.
     static constexpr std::chrono::milliseconds join_patience{500};
-    static constexpr std::size_t remembered_turns = 1000;  ///< that were given up
-    static constexpr std::size_t max_sources = 64;         ///< whose runs a line knows
+    static constexpr std::size_t remembered_turns = 1000;  ///< kept of those given up
+    static constexpr std::size_t max_sources = 64;         ///< maximum number of sources per line
 
     explicit Reorder(std::chrono::milliseconds patience) : patience_(patience) {}
 
-    /// What a worker told when this began to receive its results: how far the group was, and the turns that it had in
-    /// hand, whose results will come.
+    /// The standing of a worker when receiving from it began: how far the group was, and the turns that the worker had
+    /// in hand, whose results will arrive.
     void expect(const Share& standing, const std::vector<std::int64_t>& open);
-    /// @return  false: its turn was given up, has failed, or lies before the one that this began with; the result is
-    /// left out
+    /// @return  false: its turn was given up, has failed, or is before the first one; the result is discarded
     bool push(Event event, TimePoint now);
-    /// This turn gets no result, since its work has one already.
+    /// This turn gets no further result: it already has one.
     void skip(const Identity& identity, TimePoint now);
     /// This turn has no result: it was reported as failed.
     void fail(const Identity& identity, TimePoint now);
-    /// Nothing more will come: what is missing now is not waited for much longer.
+    /// The sources have ended: waits only shortly for results that are missing now.
     void finish(TimePoint now);
-    /// Gives up what has been waited for too long.
+    /// Gives up turns after their deadline.
     void expire(TimePoint now);
-    /// The next event in order, if it is here.
+    /// The next event in order, if it has arrived.
     std::optional<Event> pop();
     /// When expire() may have something to do.
     [[nodiscard]] std::optional<TimePoint> deadline() const;
-    /// Does nothing wait here?
+    /// Is no event waiting?
     [[nodiscard]] bool empty() const { return ready_.empty() && !deadline(); }
     [[nodiscard]] std::int64_t failed() const noexcept { return failed_; }
     [[nodiscard]] std::int64_t missing() const noexcept { return missing_; }
-    /// The first of the turns that are missing, by whose they are: "camera.image#workers".
+    /// The first missing turns, by group: "camera.image#workers".
     [[nodiscard]] const std::map<std::string, std::vector<std::int64_t>>& missing_turns() const noexcept
     {
         return missing_turns_;
     }
 
 private:
-    using Key = std::pair<std::string, std::int64_t>;                     ///< whose turns, in which epoch
+    using Key = std::pair<std::string, std::int64_t>;                     ///< the group, and its epoch
     using Capture = std::tuple<std::string, std::int64_t, std::int64_t>;  ///< source, epoch, sequence
     static Capture capture_of(const Event& event)
     {
         return {event.identity.source, event.identity.epoch, event.identity.sequence};
     }
     struct Line {
-        std::int64_t first = 0;     ///< the turn that this began with; 0: not known yet
+        std::int64_t first = 0;     ///< the first turn received; 0: not known yet
         std::int64_t expected = 0;  ///< the next turn
-        std::int64_t closed = 0;    ///< this turn and all before it have had their answer
-        std::int64_t joined = 0;    ///< the last that had been given out when this began to receive
+        std::int64_t closed = 0;    ///< this turn and all before it are closed
+        std::int64_t joined = 0;    ///< the last that was dispatched before receiving began
         bool lossless = false;
-        bool finished = false;        ///< nothing more will come
-        std::set<std::int64_t> open;  ///< of those up to joined: a worker has them in hand
+        bool finished = false;        ///< the source has ended
+        std::set<std::int64_t> open;  ///< of those up to joined: in hand of a worker
         std::set<std::int64_t> failed;
-        std::set<std::int64_t> skipped;     ///< no result is waited for, but one that comes is taken
+        std::set<std::int64_t> skipped;     ///< not waited for, but a result is accepted
         std::set<std::int64_t> passed;      ///< given up
-        std::set<std::int64_t> unanswered;  ///< of those, the closed ones that have no result, as it seemed
+        std::set<std::int64_t> unanswered;  ///< of those, closed ones that seemed to have no result
         std::multimap<std::int64_t, Event> waiting;
         TimePoint stuck_since{};
-        std::map<std::string, std::int64_t> sources;  ///< and the run of each that the last event was of
-        std::optional<Capture> reached;               ///< the last that was handed out
+        std::map<std::string, std::int64_t> sources;  ///< and the run of each source in its last event
+        std::optional<Capture> reached;               ///< the last one returned
         [[nodiscard]] bool has(const Identity& identity) const;
     };
-    /// Of one run of its source, a drone that was started again gives out anew what it had not finished. So the turns
-    /// of its earlier run are no gaps, and their results stand where their captures are among those of the new ones.
+    /// A restarted drone dispatches its unfinished work again, within the same run of its source. So the turns of the
+    /// drone's earlier run are not gaps, and their results are sorted by capture among the new ones.
     struct Earlier {
         Event event;
         TimePoint since;

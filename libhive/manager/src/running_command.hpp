@@ -1,4 +1,4 @@
-// A program whose output is read while others run beside it.
+// Reads the output of a program while others run in parallel.
 #pragma once
 
 #include <hive/process.hpp>
@@ -10,21 +10,21 @@ namespace hive {
 
 class RunningCommand {
 public:
-    /// Runs a program of $PATH with stdin from /dev/null. `environment` are NAME=VALUE on top of ours. Throws Errc::io
-    /// when it cannot be run.
+    /// Runs a program of $PATH with stdin from /dev/null. `environment` are NAME=VALUE in addition to ours. Throws
+    /// Errc::io if it cannot be run.
     RunningCommand(const std::vector<std::string>& words, std::chrono::milliseconds limit,
                    const std::vector<std::string>& environment = {});
-    /// Ends it: SIGTERM, and SIGKILL after a second.
+    /// Stops it: SIGTERM, and SIGKILL after a second.
     ~RunningCommand();
     RunningCommand(const RunningCommand&) = delete;
     RunningCommand& operator=(const RunningCommand&) = delete;
 
-    /// What it came to, once it has ended or its time is over; waits so long for that. Throws Errc::too_large when it
-    /// prints more than 16 MiB.
+    /// The result, once it has exited or timed out; waits at most this long. Throws Errc::too_large if it prints more
+    /// than 16 MiB.
     std::optional<CommandResult> poll(std::chrono::milliseconds patience = {});
-    /// Its time is over.
+    /// Stops it as at its timeout.
     void end();
-    /// One of them is readable when poll() has something to do.
+    /// One of them is readable when poll() has work.
     [[nodiscard]] std::vector<int> descriptors() const;
 
 private:

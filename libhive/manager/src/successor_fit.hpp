@@ -1,19 +1,19 @@
-// Can a drone of another build, or of another kind, stand where one runs?
+// Checks that a drone of another build or kind can replace a running one.
 #pragma once
 
 #include <hive/application.hpp>
 
 namespace hive {
 
-/// What runs and is to be replaced.
+/// The running drone that is to be replaced.
 struct Predecessor {
     Interface interface;
     Status status;
-    Json parameters;  ///< that it was told
+    Json parameters;  ///< that were set
 };
 
-/// Everything that is connected must be there with a type that fits, and everything that was set must be there and be
-/// within its range. Throws Errc::type_mismatch or Errc::refused. Other drones are asked only where types differ.
+/// The new drone must have every connected port with a matching type, and every parameter that was set, with the value
+/// in its range. Throws Errc::type_mismatch or Errc::refused. Other drones are queried only if types differ.
 void require_fit(Application& application, const Predecessor& before, const Interface& next);
 
 }  // namespace hive

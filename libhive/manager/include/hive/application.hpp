@@ -97,7 +97,7 @@ struct CollectOptions {
 struct CollectCounts {
     std::int64_t received = 0;    ///< results returned
     std::int64_t duplicates = 0;  ///< duplicate results of shared work, discarded
-    std::int64_t missing = 0;     ///< jobs of shared work whose result never arrived (ordered)
+    std::int64_t missing = 0;     ///< turns of shared work whose result never arrived (ordered)
     std::map<std::string, std::vector<std::int64_t>> missing_turns;  ///< the first of them, by "sender.output#group"
     std::int64_t failed = 0;                                         ///< reported as exceptions instead
     std::int64_t dropped = 0;  ///< lost at this end: the caller did not take them in time
@@ -159,7 +159,7 @@ public:
 
     /// The name that drones list for its connections.
     [[nodiscard]] const std::string& name() const;
-    /// The runtime directory.
+    /// The home: the runtime directory of the drones of this machine.
     [[nodiscard]] const std::filesystem::path& home() const;
     /// Changes the deadline of the calls that follow.
     void timeout(std::chrono::milliseconds timeout);
@@ -261,7 +261,7 @@ private:
     std::unique_ptr<Core> core_;
 };
 
-/// The runtime directory: $HIVE_HOME, or $XDG_RUNTIME_DIR/hive, or /tmp/hive-UID. Only its user has access.
+/// The default runtime directory: $HIVE_HOME, or $XDG_RUNTIME_DIR/hive, or /tmp/hive-UID. Only its user has access.
 std::filesystem::path default_home();
 
 }  // namespace hive

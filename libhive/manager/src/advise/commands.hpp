@@ -1,12 +1,11 @@
-// The commands that make a change, and what it is called.
+// Writes the texts and commands of proposals.
 #pragma once
 
 #include "measure.hpp"
 
 namespace hive::advising {
 
-/// Fills in text and command. Asks the drones for what a further one has to be started with.
-/// Throws what they answer.
+/// Fills in text and command. Queries the drones for the options of a further one. Throws the errors that they answer.
 void complete(Application& application, const Measured& measured, Candidate& candidate);
 
 }  // namespace hive::advising

@@ -1,4 +1,4 @@
-// Measures lines: two looks at the counters, and the headers of the events between them.
+// Measures lines: reads the counters twice, and the headers of the events in between.
 #pragma once
 
 #include "line.hpp"
@@ -6,7 +6,7 @@
 
 namespace hive::advising {
 
-/// A line, and who does its steps.
+/// A line, and the drones of its steps.
 struct Measured {
     std::vector<Step> way;
     Line line;

@@ -1,4 +1,4 @@
-// Which drones are on the way of events, from what drones report.
+// Finds the paths of events from the status of the drones.
 #pragma once
 
 #include "../explain/look.hpp"
@@ -8,20 +8,20 @@
 
 namespace hive::advising {
 
-/// Drones that do one step, and the input at which they receive.
+/// The drones of one step, and the input at which they receive.
 struct Step {
-    std::vector<std::string> members{};  ///< as the application calls them
+    std::vector<std::string> members{};  ///< by the names that the application uses
     std::string from{};                  ///< "camera.image"; empty: the source
     std::string input{}, group{};
 };
 
 /// @param drones  as of advise()
-/// @return  each way, the source first
+/// @return  each path, the source first
 std::vector<std::vector<Step>> trace(const explaining::Look& look, const std::vector<std::string>& drones);
 
-/// The rows of its connections at a member: one for each sender, if several drones do the step before.
+/// The rows of its connections at a member: one per sender, if several drones share the step before.
 std::vector<const InputStatus*> inputs_of(const Status& member, const Step& step);
-/// The row at the sender of a member, or of the group as a whole; null: it is not there.
+/// The row at the sender of a member, or of the group as a whole; null: missing.
 const EdgeStatus* edge_of(const Status& sender, const Step& step, const std::string& member);
 /// "image" of "camera.image".
 std::string port_of(const std::string& end);

@@ -1,4 +1,4 @@
-// Starts and ends the processes of drones on one machine: one file for each way that people have to do that.
+// Starts and stops the processes of drones on one machine; one file per kind of engine.
 #pragma once
 
 #include "../background_process.hpp"
@@ -16,49 +16,50 @@
 
 namespace hive {
 
-/// begin() and poll() wait for moments at most: one thread drives the engines of all machines in turn.
+/// begin() and poll() hardly block: one thread drives the engines of all machines in turn.
 class Engine {
 public:
     using Clock = std::chrono::steady_clock;
 
-    /// What has become of a drone that was begun.
+    /// The outcome of starting a drone.
     struct Report {
         std::string drone;
-        Place place{};                 ///< where it is met; whether it is ready yet, it says itself
-        std::optional<Error> error{};  ///< it will not run; Errc::name_taken: one of this name does already
-        bool found = false;            ///< it ran before it was begun
+        Place place{};                 ///< where it is reachable; query the drone for whether it is ready
+        std::optional<Error> error{};  ///< it will not run; Errc::name_taken: one of this name is already running
+        bool found = false;            ///< it was running before begin()
         std::string log{};             ///< on its machine; empty: not known
     };
 
     virtual ~Engine() = default;
-    /// Takes the order to start these, to be ready by then; they are started a few at a time, while poll() is called.
+    /// Queues these drones, to be ready by then; poll() starts them a few at a time.
     virtual void begin(std::vector<SwarmDrone> drones, Clock::time_point until) = 0;
-    /// What is new since the last call: one report for each drone that was begun.
+    /// New reports since the last call: one per drone of begin().
     virtual std::vector<Report> poll() = 0;
-    /// One of these descriptors is readable when poll() may have something new. Without one, only looking tells.
+    /// One of these descriptors is readable when poll() may have a new report. Without any, poll() must be called
+    /// regularly.
     [[nodiscard]] virtual std::vector<int> descriptors() const { return {}; }
-    /// A drone that was met does not answer: poll() is to report once more what has become of it.
+    /// Call it if a reported drone does not answer: poll() then reports its state again.
     virtual void look_again(const std::string& drone, const Error& why) = 0;
-    /// An error of a drone of this engine, with the advice that its machine calls for.
+    /// An error of a drone of this engine, with advice for its machine.
     [[nodiscard]] virtual Error explained(const Error& error) const { return error; }
-    /// The process of this machine that runs a drone which was begun; null where there is none.
+    /// The process of this machine that runs a drone of begin(); null if there is none.
     [[nodiscard]] virtual BackgroundProcess* process(const std::string&) { return nullptr; }
-    /// Counts these as begun, by an earlier process, so that stop() ends them. Drones of this machine need no engine
-    /// for that: Application::stop() ends them, whatever they do.
+    /// Treats these as started by begin(), so that stop() stops them: an earlier process started them. Not needed on
+    /// this machine, where Application::stop() kills hanging drones.
     virtual void adopt(const std::vector<std::string>&) {}
-    /// Ends what this engine began and what of it is still to be started. Returns by then, when it is gone, or tells
-    /// why it is not; drones that it never began are left alone, and so is a process that has begun to take over. Other
-    /// engines may be doing the same on other threads.
+    /// Stops the drones of begin(), started or not. Returns by then, with the reason for each that has not exited.
+    /// Leaves other drones alone, and a process that has begun to take over. Other engines may do the same on other
+    /// threads.
     virtual std::vector<SwarmFailure> stop(const std::vector<std::string>& drones, Clock::time_point until) = 0;
 };
 
-/// @param host  as the plan calls the machine
-/// @param home  where drones of this machine meet
+/// @param host  the machine's name in the plan
+/// @param home  runtime directory of this machine's drones
 std::unique_ptr<Engine> make_engine(const SwarmEngine& engine, const std::string& host,
                                     const std::filesystem::path& home);
 
-/// Ends drones, each engine on a thread of its own: a machine that does not answer takes the time of no other one. What
-/// cannot be ended is told.
+/// Stops drones, each engine on a thread of its own, so that a machine that does not answer delays no other. Returns
+/// those that cannot be stopped.
 std::vector<SwarmFailure> stop_all(const std::map<Engine*, std::vector<std::string>>& drones,
                                    Engine::Clock::time_point until);
 
@@ -66,19 +67,19 @@ std::vector<SwarmFailure> stop_all(const std::map<Engine*, std::vector<std::stri
 SwarmDrone as_started(const SwarmPlan& plan, SwarmDrone drone);
 
 inline bool takes_over(const SwarmDrone& drone) { return drone.take_over_s > 0; }
-/// "face-1", or "the successor of face-1", as an error calls the process.
+/// "face-1", or "the successor of face-1": the process's name in errors.
 std::string subject_of(const SwarmDrone& drone);
 
-/// The command line of the drone's program, but for its name.
+/// The arguments of the drone's program.
 std::vector<std::string> arguments_of(const SwarmDrone& drone);
 
-/// The error that has this exit code, as far as a drone can have met it before it was ready.
+/// The error with this exit code, among those of a drone that was not ready yet.
 Errc errc_of_exit(int code);
-/// The same of a status as of waitpid.
+/// The same from a status as of waitpid.
 Errc errc_of_status(int status);
-/// "its log says:" and the last lines that a process wrote.
+/// "its log says:" and the last lines of a process's log.
 std::string log_text(const std::string& last_words);
-/// Why a drone will not run whose process has ended so, as of waitpid.
+/// The error of a drone that exited before it was ready, from its status as of waitpid.
 Error not_ready(const std::string& drone, int status, const std::string& last_words);
 
 std::unique_ptr<Engine> make_local_engine(const std::filesystem::path& home,
@@ -86,11 +87,11 @@ std::unique_ptr<Engine> make_local_engine(const std::filesystem::path& home,
 /// Units of the user's systemd.
 std::unique_ptr<Engine> make_systemd_engine(const std::filesystem::path& home);
 /// @param settings  {"options": [further ones of srun]}
-/// @param node      as Slurm calls it
+/// @param node      its name in Slurm
 /// Outside of an allocation begin() throws Errc::refused.
 std::unique_ptr<Engine> make_slurm_engine(const Json& settings, const std::string& node,
                                           const std::filesystem::path& home);
-/// @param settings  the machine as ssh knows it: "lab-cam1"
+/// @param settings  the ssh host: "lab-cam1"
 std::unique_ptr<Engine> make_ssh_engine(const Json& settings, const std::filesystem::path& home);
 
 }  // namespace hive

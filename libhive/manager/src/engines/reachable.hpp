@@ -1,11 +1,11 @@
-// Does anybody listen there?
+// Probes for a listener.
 #pragma once
 
 #include <string>
 
 namespace hive {
 
-/// Tries to connect, for 50 ms at most; says nothing to whoever is there.
+/// Tries to connect for at most 50 ms; sends nothing.
 bool reachable(const std::string& host, int port);
 
 }  // namespace hive

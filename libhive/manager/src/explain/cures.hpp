@@ -1,4 +1,4 @@
-// The commands that need more than the statuses: which parameter, which receiver.
+// Completes commands that need more than statuses, such as a parameter or a receiver.
 #pragma once
 
 #include "look.hpp"
@@ -10,7 +10,7 @@
 
 namespace hive::explaining {
 
-/// Asks the drones of the first causes what they have, and names it in their commands.
+/// Queries the drones of the first causes, and completes their commands.
 void complete(Application& application, std::vector<Cause>& causes);
 
 /// The cause if the two run and are not connected: at all, the wrong way round, or because their types do not fit.

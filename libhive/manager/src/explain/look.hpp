@@ -1,4 +1,4 @@
-// What drones report at one time, and what this machine knows of those that report nothing.
+// Queries the statuses of drones once, and collects what this machine knows of those that do not answer.
 #pragma once
 
 #include <hive/application.hpp>
@@ -10,26 +10,26 @@
 
 namespace hive::explaining {
 
-/// Of drones that do not answer.
+/// Drones that do not answer.
 struct Absent {
     std::vector<CrashedDrone> crashed;
     std::vector<FailedDrone> failed;
     std::map<std::string, std::int64_t> suspended;  ///< process, by drone
-    std::map<std::string, std::int64_t> starting;   ///< has its name, and is not reachable yet
-    std::map<std::string, std::string> kinds;       ///< by drone, if it can be started
+    std::map<std::string, std::int64_t> starting;   ///< process that has the name, but is not reachable yet
+    std::map<std::string, std::string> kinds;       ///< by drone, for those that can be started
 
-    /// Reads what is known of a drone of this machine.
+    /// Reads the facts about a drone of this machine.
     void add(Application& application, const std::string& drone);
 };
 
 struct Look {
     std::vector<StatusAnswer> answers;
 
-    /// By the name that the application uses, or else by the drone's own name, if one drone alone has it.
+    /// By the name that the application uses, or by the drone's own name if that is unique.
     [[nodiscard]] const StatusAnswer* find(const std::string& drone) const;
 };
 
-/// Asks the drones, their senders up to the sources, and the receivers for which these wait.
+/// Queries the drones, their senders up to the sources, and the receivers for which these wait.
 Look look_from(Application& application, const std::vector<std::string>& drones);
 
 /// "camera" of "camera.image".

@@ -1,4 +1,4 @@
-// What no single drone shows: machines that are busy, and names that two machines use.
+// Finds causes that no single drone shows: overloaded machines, and names used on two machines.
 #pragma once
 
 #include "look.hpp"
@@ -7,8 +7,8 @@
 
 namespace hive::explaining {
 
-/// Processors that are busy all the time, and memory that is short: what two looks at one run of a drone show of its
-/// machine, and which drones use most. Clocks of two machines that differ by more than a second.
+/// Machines whose processors are always busy or whose memory is low, from two queries of one run of a drone, and the
+/// drones that use most. Clocks of two machines that differ by more than a second.
 std::vector<Cause> machine_causes(const Look& first, const Look& second);
 /// Drones of one name on several machines.
 std::vector<Cause> same_names(const Look& look);

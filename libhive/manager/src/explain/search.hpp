@@ -1,4 +1,4 @@
-// Finds in what drones report the causes that hold up some of them. No questions, no clocks.
+// Finds the causes that block drones in their statuses. Queries no drone, reads no clock.
 #pragma once
 
 #include "look.hpp"
@@ -15,21 +15,21 @@ namespace hive::explaining {
 
 class Search {
 public:
-    /// @param earlier  a look before; null: what only a difference shows is taken for possible
-    /// @param self     the name of the application that asks, which holds up nobody
+    /// @param earlier  an earlier look; null: causes that only a difference shows are assumed possible
+    /// @param self     the name of the application itself, which blocks nobody
     Search(const Look& look, const Look* earlier, const Absent& absent, std::string self)
         : look_(look), earlier_(earlier), absent_(absent), self_(std::move(self))
     {
     }
 
-    /// What holds up the outputs of a drone. @param port  one of them; empty: all
+    /// Finds what blocks the outputs of a drone. @param port  one of them; empty: all
     void target(const std::string& drone, const std::string& port);
-    /// What holds up the events that one drone gets from another.
+    /// Finds what blocks the events from one drone to another.
     void connection(const Endpoint& sender, const Endpoint& receiver);
 
     /// The one nearest to the source first.
     [[nodiscard]] const std::vector<Cause>& causes() const { return causes_; }
-    /// Drones on the way that answer, sources first.
+    /// Drones on the path that answer, sources first.
     [[nodiscard]] const std::vector<std::string>& passed() const { return passed_; }
 
 private:
@@ -41,7 +41,7 @@ private:
         [[nodiscard]] std::string text() const;
     };
 
-    /// A connection from both ends; false: its sender has no row of it.
+    /// A connection with the rows of both ends; false: its sender has no row.
     struct Link {
         const StatusAnswer *receiver, *sender;
         std::string from, to;  ///< "camera.image", "face.image"
@@ -50,7 +50,7 @@ private:
         bool first_look = false;
 
         explicit operator bool() const { return edge != nullptr; }
-        /// Has the count grown since the look before? It may have, at the first look.
+        /// Has the count grown since the earlier look? True at the first look.
         template <class Count>
         [[nodiscard]] bool grew(Count count) const
         {
@@ -58,13 +58,13 @@ private:
         }
     };
 
-    /// The drone, and before it those that it receives from. @return whether a cause was found
+    /// Examines the drone's senders, then the drone. @return whether a cause was found
     bool above(const std::string& drone, const Endpoint* only = nullptr);
-    /// One input, from its sender on.
+    /// Examines one input, from its sender on.
     void link(const StatusAnswer& receiver, const InputStatus& input);
     void silent(const StatusAnswer& answer, const std::string& evidence);
     void not_running(const std::string& drone, const std::string& text, const std::string& evidence);
-    /// What the drone itself reports. @return whether that is a cause
+    /// Examines the drone's own status. @return whether it has a cause
     bool own(const StatusAnswer& answer);
     bool throws(const StatusAnswer& answer);
     bool stuck(const StatusAnswer& answer);
@@ -77,7 +77,7 @@ private:
     void copied(const StatusAnswer& answer, const InputStatus& input);
     void encoded(const StatusAnswer& answer, const InputStatus& input);
     void outputs(const StatusAnswer& answer, const std::string& port);
-    /// Of a source that runs, and whose events nobody receives.
+    /// For a running source without receivers.
     void unreceived(const StatusAnswer& answer);
     void quiet(const StatusAnswer& answer, const std::string& port);
     void waits(const StatusAnswer& answer, const OutputStatus& output);
@@ -87,7 +87,7 @@ private:
     Cause& receiver_cause(const StatusAnswer& answer, const Wait& wait);
     Cause& slow(const StatusAnswer& answer, const std::string& evidence);
 
-    /// One of this kind, drone and connection is there once.
+    /// Adds a cause, once per kind, drone and connection.
     Cause& add(Cause::What what, const std::string& drone, const std::string& text, const std::string& evidence = {},
                const std::string& command = {});
     /// The status of the drone at the earlier look, if it is the same run.
@@ -104,11 +104,11 @@ private:
     std::vector<Cause> causes_;
 };
 
-/// Events that its code has dealt with, well or not.
+/// Events that its code has processed, with success or not.
 std::int64_t processed(const Status& status, std::int64_t InputStatus::*count);
-/// How long ago an output sent its newest event, by the drone's own clock; never: since the drone started.
+/// Age of an output's newest event, by the drone's own clock; without one, since the drone started.
 std::int64_t quiet_us(const Status& status, const OutputStatus& output);
-/// Events that all outputs but that of exceptions have made.
+/// Events emitted by all outputs, without exceptions.
 std::int64_t emitted(const Status& status);
 
 }  // namespace hive::explaining

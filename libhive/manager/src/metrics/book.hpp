@@ -9,13 +9,13 @@ namespace hive::measuring {
 
 using Labels = std::vector<std::pair<std::string, std::string>>;
 
-/// What a family is called and means, apart from its samples.
+/// Name and meaning of a family, without its samples.
 struct Described {
     const char* name;
     MetricFamily::Type type;
     const char* unit;
     const char* help;
-    bool largest = false;  ///< of samples with equal labels, the largest counts, and not their sum
+    bool largest = false;  ///< samples with equal labels: keep the largest instead of the sum
 };
 
 class Book {

@@ -1,4 +1,4 @@
-// Does the steps of bringing a swarm up, and undoes them.
+// Executes and undoes the steps of bringing a swarm up.
 #pragma once
 
 #include <hive/swarm.hpp>
@@ -11,9 +11,9 @@ class Changes {
 public:
     explicit Changes(Application& application) : application_(application) {}
 
-    /// Throws what the drone answers; then nothing of this step is done.
+    /// Throws the error that the drone answers; then this step has changed nothing.
     void make(const SwarmStep& step);
-    /// The last first. What cannot be undone is told.
+    /// Undoes all steps, the last first. Returns those that cannot be undone.
     std::vector<SwarmFailure> undo();
 
 private:

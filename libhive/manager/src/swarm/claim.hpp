@@ -1,5 +1,4 @@
-// The right to change a swarm, which one process has at a time: `up`, `down`, and whoever stays with it and starts
-// again what fell.
+// The right to change a swarm, for one process at a time: `up`, `down`, or the one that restarts crashed drones.
 #pragma once
 
 #include <hive/event/home.hpp>
@@ -12,16 +11,16 @@
 
 namespace hive::swarm {
 
-using Claim = std::unique_ptr<const event::NameClaim>;  ///< for as long as it lives
+using Claim = std::unique_ptr<const event::NameClaim>;  ///< held as long as it lives
 
-/// Waits while somebody else has it, at least a second, and tells that then: one that was killed may leave a process
-/// behind that it was about to start, which has the claim for a moment more. Null when it is cancelled meanwhile.
-/// Throws Errc::locked.
+/// Waits while another process has it, at least a second, and then reports that: a killed process may leave a child,
+/// forked but not yet running its program, which keeps the claim a little longer. Null if cancelled meanwhile. Throws
+/// Errc::locked.
 Claim claim(Application& application, const std::string& swarm, std::chrono::milliseconds patience,
             const SwarmWatch& watch);
-/// Null when somebody else has it, or waits for it.
+/// Null if another process has it or waits for it.
 Claim claim_if_free(const std::filesystem::path& home, const std::string& swarm);
-/// Does somebody wait for it?
+/// Does another process wait for it?
 bool claim_is_wanted(const std::filesystem::path& home, const std::string& swarm);
 
 }  // namespace hive::swarm

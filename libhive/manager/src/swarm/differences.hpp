@@ -1,4 +1,4 @@
-// How what runs differs from a plan.
+// Compares the running drones with a plan.
 #pragma once
 
 #include "present.hpp"
@@ -10,16 +10,16 @@
 namespace hive::swarm {
 
 struct Differences {
-    std::vector<SwarmStep> steps;         ///< in the order in which they are to be done
-    SwarmPlan wanted;                     ///< the plan, with what drones that are to be restarted have beside it
-    SwarmPlan ran;                        ///< those that are to be restarted, and their connections, as they run now
-    std::vector<SwarmConnection> kept{};  ///< of those connections the ones that the restarted drones need again
+    std::vector<SwarmStep> steps;         ///< in the order of execution
+    SwarmPlan wanted;                     ///< the plan, plus what the drones to be restarted have in addition
+    SwarmPlan ran;                        ///< the drones to be restarted and their connections, as they run now
+    std::vector<SwarmConnection> kept{};  ///< those of these connections that the restarted drones need again
 };
 
-/// @param before  the plan that was brought up last: what it had and this one has no more is ended, or returns to its
-///                default; what was set or connected by hand beside both stays, and so does a drone that the swarm does
-///                not own, unless the plan says `change_if_shared`
-/// @param told    hears of each drone that is used as it was found
+/// @param before  the plan that was brought up last: what only that plan has is stopped or returns to its default; what
+///                was set or connected by hand stays, and so does a drone that the swarm does not own, unless the plan
+///                has `change_if_shared`
+/// @param told    notified of each drone that is used unchanged
 Differences differences(Application& application, const SwarmPlan& plan, const SwarmPlan& before,
                         const std::function<void(const std::string& text)>& told = {});
 

@@ -1,4 +1,4 @@
-// Which drones of a swarm may end now without anything being lost.
+// Finds the drones of a swarm that can stop now without loss.
 #pragma once
 
 #include <hive/application.hpp>
@@ -8,11 +8,11 @@
 
 namespace hive::swarm {
 
-/// Those that receive from no other of these.
+/// Drones that receive from no other of these.
 std::vector<std::string> sources(const std::vector<StatusAnswer>& drones);
 
-/// Those that receive from no other of these any more, have nothing in hand, and of whose outputs nothing is on its
-/// way. Sources drain only after they were halted. What does not answer is drained: nothing more can come of it.
+/// Drones that receive from no other of these any more, have nothing in hand, and have no output events in flight.
+/// Sources drain only after they were halted. A drone that does not answer is drained: no more events can come from it.
 std::vector<std::string> drained(const std::vector<StatusAnswer>& drones);
 
 }  // namespace hive::swarm

@@ -1,4 +1,4 @@
-// Takes a swarm down: its own sources first, and each of its drones when it has handed on what it had.
+// Takes a swarm down: its own sources first, and each of its drones once its events are delivered.
 #pragma once
 
 #include <hive/event/clock.hpp>
@@ -15,7 +15,7 @@ class Ending {
 public:
     Ending(Application& application, const SwarmPlan& plan) : application_(application), plan_(plan) {}
 
-    /// @param patience  as long as events are still on their way
+    /// @param patience  maximum wait for events in flight
     SwarmOutcome run(std::chrono::milliseconds patience, const SwarmWatch& watch);
 
 private:

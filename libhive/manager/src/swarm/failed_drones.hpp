@@ -1,4 +1,4 @@
-// Drones that crash again and again: remembered in the home until they run once more or are stopped.
+// Drones that crash repeatedly: kept in the home until they run again or are stopped.
 #pragma once
 
 #include <hive/application.hpp>
@@ -13,11 +13,11 @@ class FailedDrones {
 public:
     explicit FailedDrones(std::filesystem::path home) : home_(std::move(home)) {}
 
-    /// With the last lines of the drone's log, where it is on this machine. Throws Errc::io.
+    /// Adds the last lines of the drone's log, if that is on this machine. Throws Errc::io.
     void add(FailedDrone failed) const;
-    /// False: it was not there.
+    /// False: not found.
     bool forget(const std::string& drone) const;
-    /// Sorted by name. What cannot be read is left out.
+    /// Sorted by name. Unreadable files are skipped.
     [[nodiscard]] std::vector<FailedDrone> all() const;
 
 private:

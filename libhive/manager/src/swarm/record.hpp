@@ -1,4 +1,4 @@
-// What a home remembers of a swarm: the plan that was brought up last, in NAME.swarm.
+// The record of a swarm in a home: the plan that was brought up last, in NAME.swarm.
 #pragma once
 
 #include <hive/swarm_plan.hpp>
@@ -13,15 +13,15 @@ class Record {
 public:
     Record(std::filesystem::path home, const std::string& swarm);
 
-    /// Empty without one.
+    /// Empty without a record.
     [[nodiscard]] std::string text() const;
-    /// Without one: a plan of the same name and nothing else.
+    /// Without a record: a plan with only the name.
     [[nodiscard]] SwarmPlan read() const;
-    /// Whole or not at all. Throws Errc::io.
+    /// Writes all or nothing. Throws Errc::io.
     void write(const SwarmPlan& plan) const;
     void forget() const noexcept;
 
-    /// Of all swarms of a home, by name.
+    /// The records of all swarms of a home, by name.
     static std::vector<SwarmPlan> all(const std::filesystem::path& home);
 
 private:
@@ -29,10 +29,10 @@ private:
     std::filesystem::path file_;
 };
 
-/// The first, and what only the second has: as long as not all of that is ended it is not forgotten.
+/// The first plan, plus what only the second has: that stays recorded until all of it is stopped.
 SwarmPlan with_rest_of(SwarmPlan plan, const SwarmPlan& before);
 
-/// What a `down` that failed leaves: the drones that it could not end, which nobody is to start again.
+/// The record after a failed `down`: the drones that it could not stop, which must not be restarted.
 SwarmPlan not_ended(SwarmPlan plan, const std::vector<SwarmFailure>& failures);
 
 }  // namespace hive::swarm

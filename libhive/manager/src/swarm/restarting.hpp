@@ -1,4 +1,4 @@
-// Restarts the drones of which only a new process has what the plan says, and undoes that.
+// Restarts drones that only a new process can make match the plan, and undoes that.
 #pragma once
 
 #include "differences.hpp"
@@ -8,12 +8,12 @@ namespace hive::swarm {
 
 class Restarting {
 public:
-    /// @param differences  has to outlive it
+    /// @param differences  must outlive this object
     Restarting(Application& application, const Differences& differences);
 
-    /// Stops them, starts them as they are wanted, and makes the connections again that ended with them.
+    /// Stops them, starts them as planned, and restores the connections that ended with them.
     std::vector<SwarmFailure> run(std::chrono::milliseconds patience, const SwarmWatch& watch);
-    /// They run again as before. What cannot be undone is told.
+    /// Restores them as they were. Returns what cannot be undone.
     std::vector<SwarmFailure> undo();
 
 private:
@@ -26,7 +26,7 @@ private:
     bool begun_ = false;
 };
 
-/// The errors, but for drones that do not run.
+/// The errors, without those of drones that are not running.
 std::vector<SwarmFailure> failures_in(const std::vector<Answer>& answers);
 
 }  // namespace hive::swarm

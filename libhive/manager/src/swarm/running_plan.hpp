@@ -1,4 +1,4 @@
-// What runs, written as a plan.
+// Exports the running swarm as a plan.
 #pragma once
 
 #include <hive/swarm_plan.hpp>

@@ -20,9 +20,9 @@ class Starting {
 public:
     Starting(Application& application, const SwarmPlan& plan);
 
-    /// Takes the order to start these; how far they are is asked by poll().
+    /// Queues these drones; poll() starts them.
     void begin(const std::vector<std::string>& drones, std::chrono::milliseconds patience);
-    /// Waits for nothing. What has failed since the last call, in time or late.
+    /// Does not block. Returns failures since the last call, in time or late.
     std::vector<SwarmFailure> poll(const SwarmWatch& watch = {});
     /// Those that are neither ready nor failed.
     [[nodiscard]] const std::set<std::string>& waiting() const noexcept { return waiting_; }
@@ -30,7 +30,8 @@ public:
     /// Returns when all are ready, or at the first failure.
     std::vector<SwarmFailure> run(const std::vector<std::string>& drones, std::chrono::milliseconds patience,
                                   const SwarmWatch& watch);
-    /// Ends what was begun, within 2 s behind the time that it had to be ready. What cannot be ended is told.
+    /// Stops the drones that were started, at most 2 s after their deadline to be ready. Returns those that cannot be
+    /// stopped.
     std::vector<SwarmFailure> undo() { return undo(std::max(end_, event::Clock::now()) + std::chrono::seconds(2)); }
     std::vector<SwarmFailure> undo(event::Clock::time_point until);
 
@@ -43,16 +44,16 @@ private:
     void hear(const StatusAnswer& answer, const SwarmWatch& watch);
     [[nodiscard]] Error not_ready_in_time(const std::string& drone) const;
     void failed(std::string drone,
-                const Error& error);  // by value: it may come out of the sets that it is taken out of
+                const Error& error);  // by value: the argument may be an element of the sets that it is removed from
 
     Application& application_;
     const SwarmPlan& plan_;
     std::map<std::string, std::unique_ptr<Engine>> engines_;  ///< by host
     std::set<std::string> begun_;                             ///< all
-    std::set<std::string> placed_;                            ///< of those: met somewhere, but not known to be ready
-    std::set<std::string> waiting_;                           ///< of those begun: neither ready nor failed
-    std::map<std::string, Place> places_;       ///< where those are met that are elsewhere, and were begun here
-    std::map<std::string, Error> last_errors_;  ///< why those in placed_ do not answer
+    std::set<std::string> placed_;                            ///< of those: placed, but not known to be ready
+    std::set<std::string> waiting_;                           ///< of begun_: neither ready nor failed
+    std::map<std::string, Place> places_;                     ///< of drones elsewhere that were started here
+    std::map<std::string, Error> last_errors_;                ///< why those in placed_ do not answer
     Inquiry inquiry_;
     event::Clock::time_point end_{};
     std::vector<SwarmFailure> failures_;

@@ -26,9 +26,9 @@ public:
 
     /// Counts one more crash, and returns when the drone may be started.
     Clock::time_point after_crash(Clock::time_point now);
-    /// The drone is ready.
+    /// Call it when the drone is ready.
     void ready(Clock::time_point now) { ready_at_ = now; }
-    /// In a row.
+    /// Crashes in a row.
     [[nodiscard]] int crashes() const noexcept { return crashes_; }
 
 private:
@@ -36,33 +36,33 @@ private:
     std::optional<Clock::time_point> ready_at_{};
 };
 
-/// It changes the swarm as `up` and `down` do: only with the claim, which it leaves to whoever waits for that, and only
-/// drones that were brought up and not taken down. What they run with is in the plan that was brought up last, which
-/// may be that of another `up`.
+/// Changes the swarm only with the claim, as `up` and `down` do, releases the claim to any process that waits for it,
+/// and restarts only drones that were brought up and not taken down. Their options are in the plan that was brought up
+/// last, possibly by another `up`.
 class Staying {
 public:
     using Clock = std::chrono::steady_clock;
 
-    /// @param told  hears of each drone what happened, and what goes wrong meanwhile, once
+    /// @param told  gets each event of a drone, and each problem once
     Staying(Application& application, SwarmPlan plan, std::function<void(const std::string& text)> told);
 
-    /// Looks once, and restarts what is due; waits for no drone. Throws nothing that a drone answers, or fails to: the
-    /// next look is due.
+    /// Checks once, and restarts due drones without waiting for them. Does not throw if a drone fails or does not
+    /// answer: the next check retries.
     void look();
-    /// Until the next look is due.
+    /// Waits until the next check is due.
     void wait();
 
 private:
-    /// One drone that is to be kept running.
+    /// One supervised drone.
     struct Care {
         RestartPause pause{};
         std::optional<Clock::time_point> restart_at{};  ///< set: it has crashed
         std::optional<Clock::time_point> missing_since{}, silent_since{};
-        std::shared_ptr<const SwarmPlan> plan{};  ///< by which it is being started
+        std::shared_ptr<const SwarmPlan> plan{};  ///< with which it is being started
         std::unique_ptr<Starting> starting{};
-        bool begun = false;       ///< it was started and has not been ready since
-        bool taken_down = false;  ///< which was told
-        bool shared = false;      ///< another swarm brought it up, which restarts it or not
+        bool begun = false;       ///< started, and not ready since
+        bool taken_down = false;  ///< reported
+        bool shared = false;      ///< another swarm brought it up and decides on its restarts
     };
 
     void adopt(SwarmPlan plan);
@@ -76,14 +76,14 @@ private:
     void follow_starts();
     void give_way();
     void start_due();
-    /// Gives those that were started again the values and connections that they do not remember.
+    /// Gives restarted drones the values and connections that are not in their saved state.
     void settle();
     void tell_trouble(const std::string& text);
     [[nodiscard]] bool is_starting() const;
 
     Application& application_;
     Record record_;
-    std::string recorded_;                   ///< the text of the record that was read last
+    std::string recorded_;                   ///< text of the last record that was read
     std::shared_ptr<const SwarmPlan> plan_;  ///< the last that was brought up
     bool is_up_ = true;                      ///< and not taken down since
     std::function<void(const std::string& text)> told_;

@@ -1,4 +1,4 @@
-// The parts of reading a swarm file; they share what has been found so far.
+// Reads a swarm file. Its parts share the results so far.
 #pragma once
 
 #include "values.hpp"
@@ -21,10 +21,9 @@ public:
     {
     }
 
-    /// @param complete  false: a file that it includes could not be read, and names that are missing may be there
+    /// @param complete  false: an included file could not be read, and may have missing names
     void read(const Value& file, bool complete);
-    /// Finds key files that are missing on this machine: those that the file names, and those that drones need to
-    /// listen.
+    /// Finds key files missing on this machine: those named in the file, and those that drones need to listen.
     void check_keys();
     SwarmReading take();
     [[nodiscard]] Mistakes& mistakes() noexcept { return mistakes_; }
@@ -34,7 +33,7 @@ private:
     struct Entry {
         std::string name;
         Value value;
-        SwarmDrone drone{};  ///< what all of them have in common
+        SwarmDrone drone{};  ///< the common part
         std::optional<std::int64_t> count{};
         std::vector<std::string> hosts{};  ///< in turn
         std::optional<transport::Address> listening{};
@@ -55,13 +54,13 @@ private:
     std::optional<transport::Address> read_address(Members& members, std::string_view key, std::string& text);
     /// False: a mistake was written down.
     bool has_own_port(const SwarmDrone& drone, const Entry& entry);
-    /// With the engines known: are there ports enough for the drones of each machine that are told none?
+    /// Checks that each machine has enough ports for its drones without one. Needs the engines.
     void check_free_ports();
 
     // --- connections.cpp ---
     void read_connection(const Value& connection);
-    /// All that a pattern of senders and one of receivers come to; ends at the first mistake, which the next ones of a
-    /// glob would repeat.
+    /// Expands a pattern of senders and one of receivers; ends at the first error, since the other matches of a glob
+    /// would repeat it.
     void connect_all(const std::vector<Endpoint>& senders, const std::vector<Endpoint>& receivers,
                      const ConnectionOptions& options, bool shared, const Value& to);
     ConnectionOptions read_connection_options(Members& members);
@@ -79,10 +78,10 @@ private:
     void read_slurm(const Value& value);
     void read_directive(const Value& value);
     void read_slurm_option(const Value& value);
-    /// Has a drone a restart that its engine does not have?
+    /// Checks that each drone's engine supports its restart policy.
     void check_restarts();
 
-    /// As no_such() has it, with the names of things as candidates; only the first mistakes are compared with all.
+    /// As no_such(), with the names of things as candidates; only the first errors are compared with all names.
     template <class Things, class Name>
     Error misspelt(const std::string& text, std::string_view name, const Things& things, Name name_of,
                    const std::string& otherwise = {})
@@ -95,9 +94,9 @@ private:
 
     /// Is a drone of this entry started on this machine?
     [[nodiscard]] bool starts_here(const Entry& entry) const;
-    /// Of a kind that has been asked for already, or is now; nothing when nobody knows it.
+    /// The interface of a kind, cached; nothing if it is unknown.
     const Interface* interface(const std::string& kind);
-    /// The kinds whose interface nobody knows.
+    /// Records the kinds with an unknown interface: an error on this machine, a note for others.
     void tell_unknown_kinds();
 
     Mistakes mistakes_, notes_;
@@ -110,10 +109,10 @@ private:
     std::set<std::string, std::less<>> counted_;               ///< entries with a count
     std::map<std::pair<std::string, std::uint16_t>, std::vector<std::pair<std::string, std::string>>>
         listening_;                    ///< by machine and port: the address and the drone
-    std::set<std::string> connected_;  ///< "from to", with the ports as far as they are known
+    std::set<std::string> connected_;  ///< "from to", with the known ports
     static constexpr int most_compared = 20;
     int compared_ = 0;            ///< misspelt names
-    bool names_unclear_ = false;  ///< an entry could not be read: a name that is missing may be its
+    bool names_unclear_ = false;  ///< an entry could not be read, and may have missing names
 };
 
 }  // namespace hive::swarm_file

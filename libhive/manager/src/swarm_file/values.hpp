@@ -1,4 +1,4 @@
-// The values of a swarm file while it is being read: each knows where it stands, and every mistake is written down.
+// The values of a swarm file while it is read: each has its position, and every error is recorded.
 #pragma once
 
 #include <hive/json_places.hpp>
@@ -25,7 +25,7 @@ struct Value {
     [[nodiscard]] Value item(std::size_t index) const;
 };
 
-/// The texts of a file and of those that it includes, one behind the other: each byte has a number of its own.
+/// The texts of a file and its includes, concatenated: each byte has its own number.
 class Texts {
 public:
     /// @param file  empty: the file itself
@@ -55,7 +55,7 @@ private:
     std::deque<Text> texts_;
 };
 
-/// The mistakes of a file and of those that it includes.
+/// The errors of a file and its includes.
 class Mistakes {
 public:
     explicit Mistakes(const Texts& texts) : texts_(texts) {}
@@ -63,10 +63,10 @@ public:
     void at_value(const Value& value, const std::string& text, const std::string& advice = {});
     void at_key(const Value& value, const std::string& text, const std::string& advice = {});
     void at_byte(std::size_t byte, const std::string& path, const std::string& text, const std::string& advice = {});
-    /// The words of an error.
+    /// Adds the text of an error.
     void at_value(const Value& value, const Error& error) { at_value(value, error.what(), error.advice()); }
     void at_key(const Value& value, const Error& error) { at_key(value, error.what(), error.advice()); }
-    /// What is written down of this value from now on would only follow from what was.
+    /// Ignores further errors of this value: they would only follow from earlier ones.
     void no_more_at(const Value& value) { silent_.insert(value.place->value); }
     [[nodiscard]] std::size_t count() const noexcept { return found_.size(); }
     /// In the order of the file.
@@ -78,17 +78,17 @@ private:
     std::set<std::size_t> silent_;
 };
 
-/// An object whose keys are known. Reading a value of the wrong kind writes down a mistake and gives nothing.
+/// An object with a fixed set of keys. Reading a value of the wrong type records an error and returns nothing.
 class Members {
 public:
-    /// @param what  for mistakes: "a drone"
+    /// @param what  for errors: "a drone"
     Members(Mistakes& mistakes, Value object, std::string_view what, std::span<const std::string_view> keys);
 
     [[nodiscard]] std::optional<Value> find(std::string_view key) const;
-    /// The same; that it is missing is a mistake.
+    /// The same; a missing value is an error.
     [[nodiscard]] std::optional<Value> require(std::string_view key);
     std::optional<std::string> text(std::string_view key);
-    /// One of the words.
+    /// One of the keywords.
     std::optional<std::string> word(std::string_view key, std::span<const std::string_view> words);
     std::optional<std::int64_t> integer(std::string_view key, std::int64_t least, std::int64_t most);
     bool flag(std::string_view key);
@@ -101,13 +101,13 @@ private:
     std::string what_;
 };
 
-/// The text that a value is; otherwise nothing, and a mistake: `"on" must be a text, not 3`.
+/// The value as text; otherwise nothing, and an error: `"on" must be a text, not 3`.
 std::optional<std::string> text_of(Mistakes& mistakes, const Value& value);
-/// The texts of a value that is one, or a list of at least one; each with its place.
+/// The texts of a text or a non-empty list of texts, each with its position.
 std::vector<std::pair<std::string, Value>> texts_of(Mistakes& mistakes, const Value& value);
-/// How a value is shown in a mistake.
+/// A value as errors show it.
 std::string shown(const Json& value);
-/// Is it an object? Otherwise a mistake.
+/// Is it an object? Records an error otherwise.
 bool require_object(Mistakes& mistakes, const Value& value);
 /// "a, b or c"
 std::string listed(std::span<const std::string_view> words);

@@ -1,4 +1,4 @@
-// The command line of each drone of a plan, and where the drones reach each other.
+// Writes the command line of each drone of a plan, with the addresses at which the drones reach each other.
 #pragma once
 
 #include <hive/swarm_plan.hpp>
@@ -14,22 +14,22 @@ namespace hive {
 class CommandLines {
 public:
     enum class Machines {
-        as_planned,  ///< drones of one machine meet in its home, and others at a port of it
-        one_each     ///< each drone has a machine of its own, called as the drone is: a container
+        as_planned,  ///< drones connect in the home of one machine, and at ports between machines
+        one_each     ///< each drone has its own machine with the drone's name: a container
     };
-    /// The plan has to outlive it. Throws Errc::invalid_argument when it leaves no port free.
+    /// The plan must outlive this object. Throws Errc::invalid_argument if it leaves no port free.
     CommandLines(const SwarmPlan& plan, Machines machines);
 
-    /// The words of one drone, its program first: "hive-face", or "python3" and what runs a file of Python. Throws
-    /// Errc::invalid_argument when an output is not known, or a sender cannot be found from another machine.
+    /// The command line of one drone, its program first: "hive-face", or "python3" and the arguments for a Python file.
+    /// Throws Errc::invalid_argument if an output is unknown, or another machine cannot reach a sender.
     [[nodiscard]] std::vector<std::string> of(const SwarmDrone& drone) const;
 
-    /// The words of what serves the metrics of all drones, each on a machine of its own, at metrics_port.
+    /// The command line of the server for the metrics of all drones, each on its own machine, at metrics_port.
     [[nodiscard]] std::vector<std::string> metrics() const;
 
     static constexpr std::uint16_t metrics_port = 9464;
     static constexpr const char* metrics_name = "hive-metrics";
-    /// Of a machine of its own.
+    /// For a machine of its own.
     static constexpr std::uint16_t only_port = 7700;
 
 private:
@@ -37,7 +37,7 @@ private:
     [[nodiscard]] std::string machine(const SwarmDrone& drone) const;
     [[nodiscard]] std::string listening(const SwarmDrone& drone) const;
     [[nodiscard]] std::string advertised(const SwarmDrone& drone) const;
-    /// Where drones of other machines dial it.
+    /// The address at which other machines reach it.
     [[nodiscard]] std::string address(const SwarmDrone& drone) const;
     [[nodiscard]] std::string connection(const SwarmConnection& connection, const SwarmDrone& receiver) const;
 
@@ -48,7 +48,7 @@ private:
     std::map<std::string, std::uint16_t> ports_;                           ///< of drones on the network
 };
 
-/// A word for a shell, in quotation marks where it needs them.
+/// Quotes an argument for a shell if needed.
 std::string shell_word(const std::string& word);
 /// "cam1" of "user@cam1".
 std::string machine_name(const std::string& host);

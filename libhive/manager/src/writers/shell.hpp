@@ -1,4 +1,4 @@
-// Verbs of hivectl that start and connect drones of a plan.
+// Writes the hivectl commands that start and connect drones of a plan.
 #pragma once
 
 #include <hive/swarm_plan.hpp>

@@ -1,4 +1,4 @@
-// The forms in which a swarm is written, one file each.
+// The export forms of a swarm, one file each.
 #pragma once
 
 #include <hive/swarm_export.hpp>

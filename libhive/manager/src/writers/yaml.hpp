@@ -1,4 +1,4 @@
-// YAML for the forms that want it.
+// Writes YAML.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -9,7 +9,7 @@ namespace hive {
 
 using OrderedJson = nlohmann::ordered_json;
 
-/// A value as a block of YAML; texts are quoted as in JSON, which YAML reads alike.
+/// A value as a block of YAML; texts are quoted as in JSON, which is valid YAML.
 /// @param indent  spaces before each line
 std::string yaml_text(const OrderedJson& object, std::size_t indent = 0);
 
