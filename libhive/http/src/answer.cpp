@@ -1,4 +1,4 @@
-// Checks the host, then who asks, then the method.
+// Checks the host, then the client, then the method.
 #include <hive/http/answer.hpp>
 
 namespace hive::http {

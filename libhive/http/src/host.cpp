@@ -1,4 +1,4 @@
-// Uses inet_pton, and knows what is special about some addresses.
+// Uses inet_pton, with rules for special addresses.
 #include <hive/http/host.hpp>
 
 #include <algorithm>
@@ -21,7 +21,7 @@ bool equal_ignoring_case(std::string_view a, std::string_view b)
                               [](unsigned char x, unsigned char y) { return std::tolower(x) == std::tolower(y); });
 }
 
-/// The host in "host", "host:80", "[host]", "[host]:80"; nothing when it is written otherwise.
+/// The host in "host", "host:80", "[host]", "[host]:80"; nothing in any other form.
 std::optional<std::string> without_port(std::string_view text)
 {
     const bool bracketed = text.starts_with('[');

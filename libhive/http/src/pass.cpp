@@ -1,4 +1,4 @@
-// Compares what a request brings with the token.
+// Compares the credentials of a request with the token.
 #include <hive/http/answer.hpp>
 
 #include <algorithm>
@@ -42,7 +42,7 @@ bool Pass::in_header(const Request& request) const
 
 std::string Pass::cookie() const { return name_ + "=" + token_ + "; Path=/; HttpOnly; SameSite=Strict"; }
 
-/// Takes as long for any text of the right length.
+/// Takes the same time for every text of the right length.
 bool Pass::is_token(std::string_view text) const
 {
     if (token_.empty() || text.size() != token_.size())

@@ -1,4 +1,4 @@
-// Runs GNU libmicrohttpd in a loop of ours. Everything but Site::wake() happens on one thread, so nothing here needs a
+// Runs GNU libmicrohttpd in a loop of ours. Everything except Site::wake() runs on one thread, so nothing here needs a
 // lock. A request is suspended until the site has an answer, a stream until it has more to send.
 #include "listener.hpp"
 
@@ -24,11 +24,11 @@ namespace {
 using Response = std::unique_ptr<MHD_Response, decltype(&MHD_destroy_response)>;
 
 constexpr auto tick = std::chrono::milliseconds(500);
-constexpr std::size_t request_bytes = 16 * 1024;  // of a request's head, and of what is on its way to one browser
-constexpr std::size_t on_their_way = 64;          // connections that are being closed, while others come
-constexpr int socket_bytes = 64 * 1024;  // in the kernel: what a slow browser sees is not much older than it is slow
+constexpr std::size_t request_bytes = 16 * 1024;  // of a request's head, and of the data in flight to one browser
+constexpr std::size_t on_their_way = 64;          // connections being closed while others arrive
+constexpr int socket_bytes = 64 * 1024;  // in the kernel; small, so that a slow browser does not lag further behind
 
-/// One connection is one request; and other pages may do nothing with ours.
+/// One connection is one request, and other pages cannot use ours.
 constexpr std::pair<const char*, const char*> headers[]{
     {"Cache-Control", "no-store"},
     {"Connection", "close"},
@@ -72,9 +72,9 @@ private:
         Clock::time_point since;
         enum { asking, waiting, answering, streaming, ended } doing = asking;
         std::uint64_t mark = 0;  ///< of the site
-        std::string body{};      ///< what has come of it
-        std::size_t takes = 0;   ///< how much of a body the site takes
-        bool asked = false;      ///< the site knows of it, because it may take a body
+        std::string body{};      ///< received so far
+        std::size_t takes = 0;   ///< maximum size of a body for the site
+        bool asked = false;      ///< Site::takes() was called
     };
     /// The answer to one request for the stream.
     struct Streaming {
@@ -112,7 +112,7 @@ private:
     std::unordered_map<MHD_Connection*, Visitor> visitors_;
     std::set<MHD_Connection*> waiting_;  ///< suspended
     std::size_t streams_ = 0;
-    bool deserted_ = false;  ///< no client was connected when the library last had its turn
+    bool deserted_ = false;  ///< no client was connected when the library last ran
     Clock::time_point ticked_{};
     std::atomic<bool> ending_{false};
     std::thread thread_;
@@ -141,11 +141,11 @@ Server::Core::~Core()
     ending_ = true;
     site_.wake();
     thread_.join();
-    resume();  // what is suspended cannot be closed
+    resume();  // suspended connections cannot be closed
     MHD_stop_daemon(daemon_);
 }
 
-/// Without clients there is nothing to look after, once the library has had a turn to accept new ones.
+/// Without clients there is nothing to do, once the library has run to accept new ones.
 int Server::Core::patience() const
 {
     MHD_UNSIGNED_LONG_LONG milliseconds = 0;
@@ -185,14 +185,14 @@ void Server::Core::suspend(MHD_Connection* connection)
     MHD_suspend_connection(connection);
 }
 
-/// All of them; who still has to wait is suspended again.
+/// Resumes all; a request without an answer is suspended again.
 void Server::Core::resume()
 {
     for (auto* connection : std::exchange(waiting_, {}))
         MHD_resume_connection(connection);
 }
 
-/// A sender of single bytes is never idle, so the library's own timeout does not meet it.
+/// A client that sends single bytes is never idle, so the library's own timeout does not apply to it.
 void Server::Core::end_the_late()
 {
     for (const auto& [connection, visitor] : visitors_) {
@@ -215,7 +215,7 @@ void Server::Core::visit(MHD_Connection* connection, MHD_ConnectionNotificationC
     make_room();
 }
 
-/// Of those who say nothing, or not yet, the oldest goes: whoever means to ask does so at once.
+/// Evicts the oldest connection without a complete request: a real client sends its request at once.
 void Server::Core::make_room()
 {
     std::size_t asking = 0;
@@ -233,7 +233,7 @@ void Server::Core::make_room()
     oldest->doing = Visitor::ended;
 }
 
-/// Are all places of those who may look taken, with that of whoever is answered now?
+/// Are more connections being answered than allowed, including the current one?
 bool Server::Core::full() const
 {
     const auto answered = std::ranges::count_if(visitors_, [](const auto& row) {
@@ -252,8 +252,8 @@ Visit Server::Core::visit_of(Visitor& visitor, Clock::time_point now) const
             .mark = visitor.mark};
 }
 
-/// Keeps what has come of a body that the site takes; one byte more than that, to know that it is too long. False: all
-/// is there, or the site takes none.
+/// Keeps the body as far as the site accepts it, plus one byte to detect a longer one. False: complete, or the site
+/// accepts no body.
 bool Server::Core::read_body(MHD_Connection* connection, const Request& request, std::string_view more)
 {
     auto& visitor = visitors_.at(connection);
@@ -265,7 +265,7 @@ bool Server::Core::read_body(MHD_Connection* connection, const Request& request,
     return visitor.takes > 0 && !more.empty();
 }
 
-/// Called again when a request that waits is resumed.
+/// Called again when a suspended request is resumed.
 MHD_Result Server::Core::answer(MHD_Connection* connection, const Request& request)
 {
     auto& visitor = visitors_.at(connection);
@@ -285,7 +285,7 @@ MHD_Result Server::Core::answer(MHD_Connection* connection, const Request& reque
         return MHD_YES;
     }
     visitor.doing = Visitor::answering;
-    visitor.since = Clock::now();  // the site may have taken long
+    visitor.since = Clock::now();  // the site may have been slow
     return send(connection, std::move(*answer));
 }
 
@@ -335,7 +335,7 @@ ssize_t Server::Core::on_read(void* state, std::uint64_t, char* to, std::size_t 
         if (count == 0)
             core.suspend(connection);
         return static_cast<ssize_t>(count);
-    } catch (const std::exception&) {  // no memory: this stream ends, the others go on
+    } catch (const std::exception&) {  // no memory: only this stream ends
         return MHD_CONTENT_READER_END_WITH_ERROR;
     }
 }
@@ -347,8 +347,8 @@ void Server::Core::on_stream_end(void* state)
     --streaming->core.streams_;
 }
 
-/// Called when the head of a request is complete, before any body: it is answered then, with or without one, unless the
-/// site takes a body. Then it is called again with each piece, and without any at the end.
+/// Called when the head of a request is complete, and answers it then, unless the site accepts a body. Then it is
+/// called again with each piece, and without any at the end.
 MHD_Result Server::Core::on_request(void* self, MHD_Connection* connection, const char* path, const char* method,
                                     const char*, const char* piece, std::size_t* size, void**)
 {
@@ -374,7 +374,7 @@ MHD_Result Server::Core::on_request(void* self, MHD_Connection* connection, cons
             return MHD_YES;
         request.body = core.visitors_.at(connection).body;
         return core.answer(connection, request);
-    } catch (const std::exception&) {  // no memory: this connection ends, the others go on
+    } catch (const std::exception&) {  // no memory: only this connection ends
         return MHD_NO;
     }
 }
@@ -390,7 +390,7 @@ Site::~Site() { ::close(wakes_); }
 void Site::wake() noexcept
 {
     const std::uint64_t one = 1;
-    [[maybe_unused]] const auto written = ::write(wakes_, &one, sizeof one);  // full means that it is awake
+    [[maybe_unused]] const auto written = ::write(wakes_, &one, sizeof one);  // full: it is already awake
 }
 
 Server::Server(const Settings& settings, Site& site) : core_(std::make_unique<Core>(settings, site)) {}

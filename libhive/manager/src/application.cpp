@@ -1,4 +1,4 @@
-// The calls of an application: finding, configuring, control.
+// Application: finding, configuring, control.
 #include "application_core.hpp"
 #include "crashed_drones.hpp"
 #include "joint_set.hpp"
@@ -73,7 +73,7 @@ Endpoint Application::endpoint(const std::string& text)
     const Endpoint with_port{text.substr(0, dot), text.substr(dot + 1)};
     auto& directory = core_->directory;
     if (directory.find_known(text) || (!directory.find_known(with_port.drone) && directory.find(text)))
-        return {text, ""};  // the network is asked only if nobody nearer is meant
+        return {text, ""};  // the network is queried only if no nearer drone matches
     return with_port;
 }
 
@@ -84,13 +84,13 @@ Interface Application::describe(const std::string& drone)
 
 namespace {
 
-/// The parameters in the answer of a drone. One that answers something else is malformed.
+/// The parameters in the answer of a drone. Any other answer is malformed.
 Json parameters_in(const std::string& drone, const Json& result)
 {
     return Fields(result, "the answer of " + drone).object("parameters");
 }
 
-/// Leaves of each answer its parameters alone.
+/// Reduces each answer to its parameters.
 void keep_parameters(std::vector<Answer>& answers)
 {
     for (auto& answer : answers)
@@ -102,7 +102,7 @@ void keep_parameters(std::vector<Answer>& answers)
         }
 }
 
-/// One that got no answer may have been taken all the same.
+/// Counts a set even if no answer arrived: the drone may have applied it.
 struct CountedSet {
     std::atomic<std::int64_t>& sets;
     ~CountedSet() { ++sets; }
@@ -192,7 +192,7 @@ void Application::stop(const std::string& drone)
 
 namespace {
 
-/// A drone that is stopped may be gone before its answer is.
+/// A stopped drone may exit before its answer is sent.
 void forgive_haste(std::vector<Answer>& answers)
 {
     for (auto& answer : answers)
@@ -200,14 +200,14 @@ void forgive_haste(std::vector<Answer>& answers)
             answer.error.reset();
 }
 
-/// Or be killed: one of this machine that gives no answer hangs, or is ending already.
+/// May its process be killed? A drone of this machine that does not answer hangs or is exiting.
 bool may_end(const Place& place, const Answer& answer)
 {
     return !answer.error
            || (is_here(place) && (answer.error->code() == Errc::timeout || answer.error->code() == Errc::unreachable));
 }
 
-/// What a drone of this machine was told stays here when it hangs or has crashed, and with it whose it is.
+/// The saved state of a drone of this machine that hangs or crashed has the name of its swarm.
 bool is_of_another_swarm(const event::Home& home, const std::string& drone, const std::string& swarm)
 try {
     const auto state = swarm.empty() ? std::nullopt : home.read_state(drone);

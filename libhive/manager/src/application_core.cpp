@@ -1,4 +1,4 @@
-// Asking drones: one or many at once, each answer by a deadline.
+// Sends requests to drones, one or many at once, each with a deadline.
 #include "application_core.hpp"
 
 #include <hive/name.hpp>
@@ -13,9 +13,9 @@
 namespace hive {
 namespace {
 
-/// With those that are connected for longer, less than the 1,024 descriptors that a process has by default.
+/// Together with longer connections, fewer than the 1,024 descriptors that a process has by default.
 constexpr std::size_t most_dialed = 768, asked_at_once = 256, most_dialing = 128;
-constexpr std::size_t most_typed = 16;  ///< names that somebody may have written by hand
+constexpr std::size_t most_typed = 16;  ///< names that a person may have typed
 constexpr std::array<std::string_view, 2> left_by_crash{".state", ".crash"};
 
 bool changes_nothing(protocol::PacketType type)
@@ -24,7 +24,7 @@ bool changes_nothing(protocol::PacketType type)
     return type == get || type == describe || type == status;
 }
 
-/// Drones keep one account for each name, so no two applications have the same one, not even in one process.
+/// Drones keep counters per name, so every application has its own, even in one process.
 std::string name_of(const Application::Options& options)
 {
     static std::atomic<int> made = 0;
@@ -34,7 +34,7 @@ std::string name_of(const Application::Options& options)
     return "app-" + std::to_string(platform::own_pid()) + (number == 1 ? "" : "-" + std::to_string(number));
 }
 
-/// Nothing is read before a drone is dialed over tcp.
+/// The key file is read only when a drone is dialed over tcp.
 std::shared_ptr<transport::KeyRing> keys_of(const Application::Options& options)
 {
     const auto file = options.key.empty() ? default_key_file() : options.key;
@@ -80,7 +80,7 @@ Application::Core::Core(Application::Options options)
 bool Application::Core::remembers(const std::string& drone) const
 {
     std::error_code ignored;
-    // In this order: a drone that is told to stop gives up its state first, and then its name.
+    // In this order: a stopping drone discards its state first, then releases its name.
     return is_name(drone) && !directory.home().alive(drone) && std::ranges::any_of(left_by_crash, [&](auto ending) {
                return std::filesystem::exists(directory.home().path(drone, ending), ignored);
            });
@@ -136,14 +136,14 @@ Error Application::Core::not_running(const std::string& drone) const
                    advice_if_missing ? advice_if_missing(drone) : "");
 }
 
-/// What is asked of one drone.
+/// One request to one drone.
 struct Application::Core::Asking {
     Place place;
     protocol::PacketType type;
     Json header;
     Body body;
     event::Clock::time_point until;
-    bool again;  ///< once more, should the connection end before the answer
+    bool again;  ///< retry if the connection ends before the answer
     std::shared_ptr<std::optional<event::Outcome>> reply = std::make_shared<std::optional<event::Outcome>>();
 };
 
@@ -155,7 +155,7 @@ Application::Core::Reply Application::Core::send(const Place& place, protocol::P
     return asking.reply;
 }
 
-/// A process from which another one takes over ends its connections. Who has asked it something then asks that one.
+/// A replaced process closes its connections; a request to it is then retried at its successor.
 void Application::Core::begin(const Asking& asking)
 {
     module.with_link(transport::parse_address(asking.place.address), asking.until,

@@ -1,4 +1,4 @@
-// Asks drones for their status, page by page.
+// Queries the status of drones, page by page.
 #include "application_core.hpp"
 
 #include <algorithm>
@@ -6,11 +6,11 @@
 namespace hive {
 namespace {
 
-/// Connections that are added faster than they can be listed are not listed to the end, nor is a drone that takes
-/// longer than the time for one answer to list them.
+/// A limit, in case connections are added faster than they can be listed; listing also ends at the timeout of one
+/// answer.
 constexpr int most_pages = 64;
 
-/// Takes the next page into the answer. @return whether another one is to be asked for
+/// Adds the next page to the answer. @return whether there is another one
 bool take_page(StatusAnswer& answer, const Answer& page)
 try {
     if (page.error)

@@ -1,4 +1,4 @@
-// Compares the counts of both ends where they must agree, whatever is under way.
+// Compares the counts of both ends where they must agree even with events in flight.
 #include <hive/audit.hpp>
 
 #include <algorithm>
@@ -34,7 +34,7 @@ struct Sent {
     std::int64_t acknowledged = 0, sent = 0;
     bool known = false;      ///< there is such an edge
     int plain = 0;           ///< edges that are not in a group
-    bool connected = false;  ///< with the registration that was asked for
+    bool connected = false;  ///< with the given registration
 };
 
 Sent sent_to(const Status& sender, const ConnectionEnds& ends, std::int64_t registration)
@@ -98,7 +98,7 @@ Started started(const Status& sender, const Status& receiver, const ConnectionEn
             .receiver_first = by_sender_clock + margin < sender.epoch};
 }
 
-/// What both ends count of the same events. Each end covers the other one's life only if it started first.
+/// Compares the counts of both ends. An end has counted all of the other end's events only if it started first.
 void compare_counts(AuditRow& row, const Answers& sender, const Answers& receiver, const InputStatus& input)
 {
     const auto before = sent_to(*sender[0], row.ends, input.registration),
@@ -113,7 +113,7 @@ void compare_counts(AuditRow& row, const Answers& sender, const Answers& receive
                                   + " events, of which the sender has sent " + std::to_string(after.sent));
 }
 
-/// Only what all three looks show: a connection may be made or ended meanwhile.
+/// Only differences in all three statuses count: a connection may be opened or closed meanwhile.
 void compare_states(AuditRow& row, const Answers& sender, const Answers& receiver)
 {
     bool missing = true, unknown = true;
@@ -162,7 +162,7 @@ void add_losses(AuditRow& row)
     }
 }
 
-/// What was lost first, then what the connection or the receiver chose to leave out.
+/// Losses first, then events that the connection or the receiver skipped by choice.
 std::string fates_text(const AuditRow& row)
 {
     std::string text;

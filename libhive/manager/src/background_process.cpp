@@ -1,4 +1,4 @@
-// Logs of processes, and how these ended.
+// Reads logs of processes, and describes how they exited.
 #include "background_process.hpp"
 
 #include <hive/process.hpp>
@@ -37,7 +37,7 @@ Child started(const fs::path& program, std::vector<std::string> words, const std
 
 LogFromNow::LogFromNow(fs::path file) : file_(std::move(file)), begin_(size_or_zero(file_)) {}
 
-/// A log that is shorter than it was has been cut off by the drone: all of it is of this run.
+/// The drone rotated a log that is shorter than before: all of it is of this run.
 std::string LogFromNow::last_lines(std::size_t lines) const
 {
     return hive::last_lines(file_, lines, begin_ <= size_or_zero(file_) ? begin_ : 0);

@@ -36,7 +36,7 @@ std::vector<std::string> environment_with(const std::vector<std::string>& replac
     const auto is_one_of = [&](const std::string& variable, const auto& all) {
         return std::ranges::any_of(all, [&](const std::string& one) { return same_variable(one, variable); });
     };
-    // What a supervisor says to this process alone: a child would speak for it.
+    // A service manager's variables for this process alone: a child must not notify in its name.
     const std::vector<std::string> own{"NOTIFY_SOCKET=", "WATCHDOG_USEC=", "WATCHDOG_PID="};
     std::vector<std::string> result = replacements;
     for (char** variable = environ; *variable; ++variable)
@@ -50,21 +50,21 @@ std::vector<char*> pointers(const std::vector<std::string>& texts)
 {
     std::vector<char*> result;
     for (const auto& text : texts)
-        result.push_back(const_cast<char*>(text.c_str()));  // the interface of exec is older than const
+        result.push_back(const_cast<char*>(text.c_str()));  // exec predates const
     result.push_back(nullptr);
     return result;
 }
 
-/// All that the child needs, made before the fork: afterwards it may allocate nothing.
+/// Everything that the child needs, allocated before the fork: afterwards it must not allocate.
 struct Beginning {
     const ChildProgram& program;
     char* const* words;
     char* const* variables;
     pid_t parent;
-    int report;  ///< takes the errno when the program cannot be run
+    int report;  ///< receives the errno if the program cannot be run
 };
 
-/// SIGTERM when the thread that forked ends.
+/// Requests SIGTERM for when the thread that forked exits.
 void tie_to(pid_t parent)
 {
     ::prctl(PR_SET_PDEATHSIG, SIGTERM);
@@ -72,7 +72,7 @@ void tie_to(pid_t parent)
         ::_exit(0);
 }
 
-/// Each first goes above the standard ones, of which it may be one.
+/// Each is first duplicated above the standard ones, since it may be one of them.
 bool set_descriptors(const ChildProgram& program)
 {
     const int in = program.in < 0 ? ::open("/dev/null", O_RDONLY) : program.in;
@@ -96,7 +96,7 @@ void set_signals()
     ::sigprocmask(SIG_SETMASK, &none, nullptr);
 }
 
-/// Only what may be called between fork and exec of a process with threads.
+/// Calls only functions that are safe between fork and exec in a process with threads.
 [[noreturn]] void become(const Beginning& beginning)
 {
     const auto& [program, words, variables, parent, report] = beginning;
@@ -112,7 +112,7 @@ void set_signals()
     ::_exit(127);
 }
 
-/// The child's errno from a pipe that closes when it has become another program; 0: it has.
+/// The child's errno, from a pipe that closes on exec; 0: exec succeeded.
 int error_from(int report)
 {
     int error = 0;
@@ -121,7 +121,7 @@ int error_from(int report)
     return error;
 }
 
-/// Processes that go on, and that nobody looks after. Never destroyed: the last ones come when the program ends.
+/// Processes that outlive their object. Never destroyed: the last ones are added while the program exits.
 struct LeftAlone {
     std::mutex mutex;
     std::vector<pid_t> pids;

@@ -1,4 +1,4 @@
-// Receiving from several outputs at once, in order when asked for.
+// Receives from several outputs at once, in order if requested.
 #include "application_core.hpp"
 #include "reorder.hpp"
 
@@ -14,13 +14,13 @@ namespace {
 constexpr auto exceptions_output = "exceptions";
 constexpr auto patience_to_make_sure = std::chrono::seconds(2);  // a drone answers within one
 
-/// The connections of a collector. Kept by them while they leave, too.
+/// The connections of a collector. They share ownership, also while they close.
 struct Inputs {
     std::vector<std::shared_ptr<event::Intake>> intakes{};  ///< network side
     event::EndOfInputs end{event::EndOfInputs::Of::collector};
 };
 
-/// Network side: an end is believed once its sender has been asked, since another source may have been set meanwhile.
+/// Network side: an end counts once its sender has been queried, since another source may have been set meanwhile.
 void make_sure(event::Module& module, const std::shared_ptr<Inputs>& inputs,
                const std::shared_ptr<event::Mailbox>& mailbox)
 {
@@ -30,10 +30,10 @@ void make_sure(event::Module& module, const std::shared_ptr<Inputs>& inputs,
     });
 }
 
-/// Intakes whose events meet in one mailbox, taken by the user thread.
+/// Merges the events of its intakes in one mailbox for the user thread.
 class MailboxCollector final : public Collector {
 public:
-    /// @param sets  how many the application has made
+    /// @param sets  the application's count of sets
     MailboxCollector(event::Module& module, const Directory& directory, const std::atomic<std::int64_t>& sets,
                      CollectOptions options)
         : module_(module),
@@ -46,12 +46,12 @@ public:
     }
     ~MailboxCollector() override;
 
-    /// Registers at one output; throws what the drone answers.
-    /// @param drone  as it is called here
-    /// @param wait  until a condition, which is asked with the turn, or the deadline
+    /// Registers at one output; throws the error that the drone answers.
+    /// @param drone  the name used here
+    /// @param wait  waits until a condition, called with the turn, or the deadline
     void receive(const std::string& drone, const Place& place, const std::string& output,
                  const ConnectionOptions& connection, const std::function<void(const std::function<bool()>&)>& wait);
-    /// Of the drones of this name, from now on, once; failures to register are retried in the background.
+    /// Receives the exceptions of the drones of this name, once; failures to register are retried in the background.
     void hear_exceptions(const std::string& drone);
 
     std::optional<Event> next(std::chrono::milliseconds patience) override;
@@ -71,7 +71,7 @@ private:
     event::Module& module_;
     const Directory& directory_;
     const std::atomic<std::int64_t>& sets_;
-    std::int64_t sets_before_;  ///< that the end was made sure of
+    std::int64_t sets_before_;  ///< when the end was last confirmed
     CollectOptions options_;
     std::shared_ptr<event::Mailbox> mailbox_ = std::make_shared<event::Mailbox>();
     std::shared_ptr<Inputs> inputs_ = std::make_shared<Inputs>();
@@ -89,7 +89,7 @@ MailboxCollector::~MailboxCollector()
         for (const auto& intake : std::exchange(inputs_->intakes, {}))
             module_.remove_intake(intake, [remaining] { --*remaining; });
     });
-    // Nobody will take what is still here. An input that leaves waits for lossless events in hand.
+    // A closing input waits for lossless events in hand, and no caller will take those still here.
     mailbox_->discard([](const Event&) { return true; });
     module_.loop().wait(event::Clock::now() + std::chrono::milliseconds(500), [&] { return *remaining == 0; });
 }
@@ -111,7 +111,7 @@ std::shared_ptr<event::Intake> MailboxCollector::add(const std::string& drone, c
                                             .options = connection},
                                            sink, look);
     inputs_->intakes.push_back(intake);
-    look();  // while it is not known to have ended, neither have all
+    look();  // until its end is known, not all have ended
     return intake;
 }
 
@@ -132,7 +132,7 @@ void MailboxCollector::receive(const std::string& drone, const Place& place, con
     expect(std::get<Json>(*outcome));
 }
 
-/// The drone said how far the groups are whose work it does.
+/// The drone reported the standing of its groups.
 void MailboxCollector::expect(const Json& confirmation)
 {
     const Fields fields(confirmation, "confirmation");
@@ -192,7 +192,7 @@ std::optional<std::string> MailboxCollector::ended()
             if (inputs_->end.text())
                 make_sure(module_, inputs_, mailbox_);
         });
-    auto text = inputs_->end.text();  // first: what has come before the end is in the mailbox when this is known
+    auto text = inputs_->end.text();  // first: when the end is known, all earlier events are in the mailbox
     if (!text || mailbox_->events() > 0)
         return std::nullopt;
     reorder_.finish(event::Clock::now());
@@ -215,7 +215,7 @@ std::optional<Event> MailboxCollector::take(Event event)
 
 std::optional<Event> MailboxCollector::put_in_order(Event event)
 {
-    // Acknowledged on arrival: a result that waits for its turn must not use up the credit that the missing one needs.
+    // Acknowledged on arrival: a result that waits for its turn must not use the credit that the missing one needs.
     event.ticket = {};
     follow_those_on_the_way(event);
     if (event.output == exceptions_output) {
@@ -227,7 +227,7 @@ std::optional<Event> MailboxCollector::put_in_order(Event event)
     return std::nullopt;
 }
 
-/// Whoever an event went through may have failed with others.
+/// Drones that processed one event may have failed at others.
 void MailboxCollector::follow_those_on_the_way(const Event& event)
 {
     hear_exceptions(event.identity.source);
@@ -258,7 +258,7 @@ std::vector<InputStatus> MailboxCollector::inputs() const
     return rows;
 }
 
-/// The drones that events come through on their way to these, near and far.
+/// All drones upstream of these.
 std::set<std::string> upstream_of(Application& application, std::vector<std::string> drones)
 {
     std::set<std::string> found;

@@ -1,4 +1,4 @@
-// A child, two pipes, and a deadline.
+// Runs a child with two pipes and a deadline.
 #include "running_command.hpp"
 
 #include "child.hpp"
@@ -25,7 +25,7 @@ constexpr std::chrono::seconds grace(1);  ///< between SIGTERM and SIGKILL
 }  // namespace
 
 struct RunningCommand::Parts {
-    /// One stream of a child, read at this end.
+    /// One stream of a child, read here.
     class Pipe {
     public:
         Pipe()
@@ -40,7 +40,7 @@ struct RunningCommand::Parts {
         [[nodiscard]] int exit() const { return exit_.get(); }
         [[nodiscard]] int entry() const { return entry_.get(); }
         void close_entry() { transport::Descriptor(std::move(entry_)); }
-        /// What is there; false at the end of the stream.
+        /// Reads the available bytes; false at the end of the stream.
         bool read(std::string& text) const
         {
             std::array<char, 16 * 1024> buffer;
@@ -73,7 +73,7 @@ struct RunningCommand::Parts {
         child.end(Clock::now() + grace);
         return exit_code_of_status(*child.ended());
     }
-    /// Reads what is there.
+    /// Reads the available bytes.
     void read()
     {
         if (streams[0].revents != 0 && !out.read(result.out))
@@ -83,7 +83,7 @@ struct RunningCommand::Parts {
         if (streams[2].revents != 0)
             streams[2].fd = -1;
     }
-    /// The end of stderr is not waited for: the connection that an ssh leaves behind may hold it.
+    /// Does not wait for the end of stderr: the connection that ssh leaves open may hold it.
     [[nodiscard]] bool ended() const { return streams[0].fd < 0 && streams[2].fd < 0; }
     void read_rest_of_errors()
     {

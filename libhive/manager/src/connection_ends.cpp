@@ -7,14 +7,14 @@
 namespace hive {
 namespace {
 
-/// Two registrations of one name are two connections, unless the receiver is only trying to come back.
+/// Two registrations of one name are two connections, unless the receiver is reconnecting.
 bool same_connection(const ConnectionEnds& ends, const std::string& to, const InputStatus& input)
 {
     return ends.at_sender && !ends.at_receiver && ends.from == input.from && ends.to == to
            && (ends.at_sender->registration == input.registration || !input.connected);
 }
 
-/// The host of a drone that the directory knows, whether it answered or not; empty for others, such as applications.
+/// The host of a drone in the directory, whether it answered or not; empty for others, such as applications.
 /// @param end  "camera.image", or the name alone
 std::string host_of(const std::string& end, const std::vector<StatusAnswer>& statuses)
 {

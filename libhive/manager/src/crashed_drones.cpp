@@ -1,4 +1,4 @@
-// One small file for each, NAME.crash, which the dying process wrote.
+// Reads one small file per drone, NAME.crash, written by the crashing process.
 #include "crashed_drones.hpp"
 
 #include <hive/name.hpp>
@@ -36,11 +36,11 @@ std::vector<CrashedDrone> crashed_drones(const event::Home& home)
             || home.alive(name))
             continue;
         try {
-            // One that crashed before it had the name says nothing of the one that had it.
+            // A process that crashed before it had the name is not the drone that had it.
             if (auto crash = read_crash(home, name); crash.pid == home.holder(name))
                 found.push_back(std::move(crash));
         } catch (const Error&) {
-            // The disk was full when it was written, or somebody has changed it by hand.
+            // The disk was full when it was written, or it was edited by hand.
         }
     }
     std::ranges::sort(found, {}, &CrashedDrone::drone);

@@ -1,4 +1,4 @@
-// The providers of places, and what a reference means.
+// The providers of places, and the resolution of references.
 #include "directory.hpp"
 
 #include <hive/name.hpp>
@@ -8,7 +8,7 @@
 namespace hive {
 namespace {
 
-/// The drones of this machine: a socket in the home is a name.
+/// The drones of this machine: a socket in the home has the drone's name.
 class HomePlaces final : public PlaceProvider {
 public:
     explicit HomePlaces(const event::Home& home) : home_(home) {}
@@ -31,7 +31,7 @@ private:
     const event::Home& home_;
 };
 
-/// Those of other machines that this home was told of.
+/// The drones of other machines in the list of places.
 class ListedPlaces final : public PlaceProvider {
 public:
     explicit ListedPlaces(const PlaceList& list) : list_(list) {}
@@ -48,7 +48,7 @@ private:
     const PlaceList& list_;
 };
 
-/// Those that announce themselves on the local network, but for those that the home or the list has.
+/// The drones announced on the local network, except those in the home or the list.
 class AnnouncedPlaces final : public PlaceProvider {
 public:
     AnnouncedPlaces(const event::Home& home, const PlaceList& list, const std::filesystem::path& key)
@@ -86,7 +86,7 @@ private:
                     return true;
         return false;
     } catch (const std::exception&) {
-        return true;  // its state cannot be read, and the name says enough
+        return true;  // its state cannot be read, so the name decides
     }
     [[nodiscard]] bool is_listed(const discovery::Neighbour& drone) const
     {
@@ -111,7 +111,7 @@ private:
     mutable discovery::Browser browser_;
 };
 
-/// "cam1:7700" of tcp://cam1:7700: tells apart what one host has twice.
+/// "cam1:7700" of tcp://cam1:7700: distinguishes two drones of one host.
 std::string host_and_port(const Place& place)
 {
     constexpr std::string_view scheme = "tcp://";
@@ -123,7 +123,7 @@ bool is_at(const Place& place, const std::string& host)
     return host.empty() || place.host == host || host_and_port(place) == host;
 }
 
-/// The shortest that means this place alone among those of its name.
+/// The shortest unambiguous reference among the places of its name.
 std::string reference_to(const Place& place, const std::vector<Place>& same_name)
 {
     if (same_name.size() == 1)
@@ -191,7 +191,7 @@ std::optional<std::string> host_named(const std::string& reference)
     return at == std::string::npos ? std::nullopt : std::optional(reference.substr(at + 1));
 }
 
-/// The one of these that a reference to their drone means.
+/// The one of these that a reference matches.
 std::optional<Place> meant(std::vector<Place> found, const std::string& reference)
 {
     if (const auto host = host_named(reference))

@@ -25,7 +25,7 @@ std::optional<Error> failure_in(const std::string& printed)
             const Fields fields(object, "a failure");
             last = Error(errc_from_token(fields.text("code")), fields.text("text"), fields.text_or("advice", ""));
         } catch (const Error&) {
-            // ssh says more than that, and so may a shell there.
+            // ssh and the shell there may print other lines.
         }
     return last;
 }

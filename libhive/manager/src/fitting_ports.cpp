@@ -1,4 +1,4 @@
-// Finding the pair of ports by their types.
+// Finds the pair of ports by their types.
 #include "fitting_ports.hpp"
 
 namespace hive {

@@ -1,4 +1,4 @@
-// What a swarm is made of, from the status of its drones. Draws nothing: Graphviz makes the picture.
+// Builds the graph of a swarm from the statuses of its drones. Graphviz draws it.
 #include <hive/graph.hpp>
 #include <hive/printable.hpp>
 
@@ -59,7 +59,7 @@ std::string group_text(const ConnectionEnds& ends)
     return ends.options().group.empty() ? "" : " (group " + ends.options().group + ")";
 }
 
-/// Red: the drone does not answer. Yellow: it has halted, or is stopping.
+/// Red: the drone does not answer. Yellow: halted or stopping.
 std::string_view style_of(const GraphDrone& drone)
 {
     return drone.host.empty()                                     ? "style=dashed"
@@ -131,7 +131,7 @@ std::string to_text(const SwarmGraph& graph)
     std::string text, host;
     for (const auto& drone : graph.drones) {
         if (drone.host.empty())
-            continue;  // it is named where something is sent to it
+            continue;  // listed at its senders
         if (drone.host != host)
             text += (text.empty() ? "" : "\n") + (host = drone.host) + ":\n";
         text += "  " + drone.name + " (" + details_of(drone) + ")\n";

@@ -1,4 +1,4 @@
-// A question is out until its answer is taken.
+// A query is pending until its answer is taken.
 #include "inquiry.hpp"
 
 #include <hive/event/descriptors.hpp>
@@ -41,7 +41,7 @@ void Inquiry::ask(const std::vector<std::string>& drones, std::chrono::milliseco
 std::vector<StatusAnswer> Inquiry::take()
 {
     std::vector<StatusAnswer> answers;
-    core_.module.loop().call([&] {  // replies are written by who has the turn
+    core_.module.loop().call([&] {  // the thread with the turn writes replies
         for (auto& [drone, asked] : asked_)
             if (asked.reply && asked.reply->has_value()) {
                 answers.push_back(answer_of(drone, asked.place, asked.reply->value()));

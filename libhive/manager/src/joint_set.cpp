@@ -15,11 +15,11 @@ using std::chrono::milliseconds;
 
 namespace {
 
-/// A drone that is told the decision answers at once, or is cut off after 2 s of silence.
+/// A drone answers the decision at once, or is disconnected after 2 s of inactivity.
 constexpr milliseconds patience_after_decision(3000);
-/// An abort needs no answer to hold; it is waited for so that the drone is free for the next attempt.
+/// An abort is valid without an answer; the wait is for the drone to be free for the next attempt.
 constexpr milliseconds patience_after_abort(500);
-constexpr milliseconds look_period(20);  ///< for a cancellation
+constexpr milliseconds look_period(20);  ///< of polling for cancellation
 
 const Error* error_in(const std::optional<event::Outcome>& outcome)
 {
@@ -79,7 +79,7 @@ void JointSet::prepare(const PartPtr& part, const Place& place)
     module_.with_link(transport::parse_address(place.address), terms_.deadline,
                       [this, part, place](const Result<event::LinkPtr>& found) {
                           if (part->over)
-                              return;  // this object may be gone
+                              return;  // this object may be destroyed
                           const auto link = value_or_none(found);
                           const auto wrong = link ? met_another(place, *link) : std::optional(*error_of(found));
                           if (wrong)
@@ -102,8 +102,8 @@ void JointSet::ask_to_prepare(const PartPtr& part, const event::LinkPtr& link)
     module_.arm();
 }
 
-/// The decision falls here, in one task: all are prepared and there, and each is told before any answer is awaited.
-/// @return  false: nobody was told
+/// Decides, in one task: all are prepared and connected, and each gets the decision before any answer is awaited.
+/// @return  false: no drone got the decision
 bool JointSet::commit()
 {
     bool decided = false;
@@ -131,7 +131,7 @@ void JointSet::abort()
     wait(Clock::time_point::max(), &JointSet::all_decided, [] { return false; });
 }
 
-/// One that did not answer in time may be prepared later than anybody wants.
+/// A drone that did not answer in time may still prepare later, so it is aborted too.
 bool JointSet::may_hold(const Part& part)
 {
     const auto* error = error_in(part.prepared);
@@ -150,7 +150,7 @@ void JointSet::tell(const PartPtr& part, const char* decision, Clock::time_point
     module_.arm();
 }
 
-/// Two sets that met on some drones meet again with less and less likelihood.
+/// A random pause that grows, so that two conflicting sets are ever less likely to conflict again.
 void JointSet::pause()
 {
     const auto most = std::int64_t{4} << std::min(attempts_++, 5);
@@ -182,7 +182,7 @@ bool JointSet::all_decided()
         parts_, [](const PartPtr& part) { return part->decided || error_in(part->prepared) || !part->link; });
 }
 
-/// Did one end after it had prepared? Then it is the reason why the others are left as they are.
+/// Has one exited after it had prepared? Then it is the reason why the others are unchanged.
 bool JointSet::lost_one()
 {
     for (const auto& part : parts_)

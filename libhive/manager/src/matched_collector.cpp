@@ -1,4 +1,4 @@
-// Receiving sets of events that belong together.
+// Receives sets of matching events.
 #include "application_core.hpp"
 
 #include <hive/event/matcher.hpp>
@@ -8,7 +8,7 @@
 namespace hive {
 namespace {
 
-/// A collector whose events go through a matcher.
+/// Passes the events of a collector through a matcher.
 class CollectorOfSets final : public MatchedCollector {
 public:
     CollectorOfSets(std::unique_ptr<Collector> collector, const std::vector<std::string>& inputs, Match match)

@@ -23,7 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr JsonLimits file_limits{.bytes = 4 << 20, .depth = 4, .keys = 16, .string_bytes = 1024};
-/// An answer is written down when the last one is so long ago, so that looking every second writes little.
+/// Minimum interval between saved answers of a drone, so that a query every second writes little.
 constexpr std::int64_t answer_grain_us = 1'000'000;
 
 [[noreturn]] void fail_at(const fs::path& file, const char* what)

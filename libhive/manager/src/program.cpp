@@ -1,4 +1,4 @@
-// Looking for hive-KIND in the directories, and asking it for its interface.
+// Finds hive-KIND in the directories, and queries its interface.
 #include "last_line.hpp"
 #include "python_file.hpp"
 
@@ -28,8 +28,8 @@ constexpr std::array<std::string_view, 13> packaged{"annotate", "axis",    "back
                                                     "face",     "gesture", "record",     "replay", "track",
                                                     "view",     "write",   "zones"};
 
-/// hive-X-emulator is a device for trials beside the drone of that device, and no drone. Others are not asked: running
-/// what is merely called hive-something would be rash.
+/// hive-X-emulator emulates a device and is not a drone. Other programs are not run to find out: one that is merely
+/// named hive-something could do anything.
 bool is_emulator(std::string_view kind) { return kind.ends_with("-emulator"); }
 
 std::vector<fs::path> directories()
@@ -65,7 +65,7 @@ std::vector<std::string> kinds()
     std::set<std::string> found;
     std::error_code ignored;
     for (const auto& directory : directories()) {
-        std::ifstream unlisted(directory / ".hive-unlisted");  // drones of tests, which can be started, too
+        std::ifstream unlisted(directory / ".hive-unlisted");  // such as drones of tests; they can still be started
         const std::set<std::string> hidden{std::istream_iterator<std::string>(unlisted), {}};
         for (const auto& entry : fs::directory_iterator(directory, ignored))
             if (const auto name = entry.path().filename().string();
@@ -116,7 +116,7 @@ DroneCommand bare_command_of(const std::string& kind)
 
 }  // namespace
 
-/// A wrapper or a Python file does not know what it was started as.
+/// A wrapper or a Python file does not report what it was started as.
 DroneCommand command_of(const std::string& kind)
 {
     auto command = bare_command_of(kind);

@@ -1,4 +1,4 @@
-// Finding an interpreter that has what the file imports, and the package that belongs to this program.
+// Finds an interpreter with the modules that the file imports, and the package that belongs to this program.
 #include "python_file.hpp"
 
 #include "last_line.hpp"
@@ -28,7 +28,7 @@ std::string variable(const char* name)
     return value ? value : "";
 }
 
-/// The first of this name in $PATH; a name with a slash is a path already. Empty: there is none.
+/// The first of this name in $PATH; a name with a slash is a path. Empty: not found.
 fs::path in_path(const std::string& name)
 {
     if (name.find('/') != std::string::npos)
@@ -40,8 +40,8 @@ fs::path in_path(const std::string& name)
     return {};
 }
 
-/// Each once: that of $HIVE_PYTHON alone, or those of the active environment, of $PATH and of the system. A link such
-/// as that of an environment is followed by the interpreter itself, which needs to know it.
+/// Each once: that of $HIVE_PYTHON alone, or those of the active environment, of $PATH and of the system. Links are
+/// kept: an interpreter finds its environment by the link through which it was run.
 std::vector<fs::path> interpreters()
 {
     const std::string told = variable("HIVE_PYTHON"), environment = variable("VIRTUAL_ENV");
@@ -61,8 +61,8 @@ std::vector<fs::path> interpreters()
     return found;
 }
 
-/// Prints which of the modules that a file imports before it does anything else are not there; and in a second line
-/// NumPy, if it is not there and the file seems to use images of Hive, which need it.
+/// Prints the missing modules among the imports at the top of a file; and on a second line NumPy, if it is missing and
+/// the file seems to use images of Hive, which need it.
 constexpr const char* search_modules = R"(
 import ast, importlib.util, os, sys
 sys.path[0] = os.path.dirname(sys.argv[1])
@@ -89,7 +89,7 @@ print("numpy" if images and not importlib.util.find_spec("numpy") else "")
 )";
 
 struct Objection {
-    std::string text = {};  ///< empty: this interpreter can run the file, as far as that can be told
+    std::string text = {};  ///< empty: this interpreter can probably run the file
     bool without_images = false;
 };
 
@@ -124,8 +124,8 @@ fs::path interpreter_for(const std::string& file, const std::vector<std::string>
                 "install what is missing, or name another interpreter in $HIVE_PYTHON");
 }
 
-/// The package that belongs to this program: of the build, or of the prefix into which it was installed. That of the
-/// system is known to the interpreters that may use it.
+/// The package that belongs to this program: of the build, or of its install prefix. Interpreters find that of the
+/// system themselves.
 std::vector<std::string> package_beside()
 {
     std::error_code ignored;

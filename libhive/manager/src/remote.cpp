@@ -1,4 +1,4 @@
-// The command lines for ssh, and what its failures mean.
+// Writes the command lines for ssh, and interprets its failures.
 #include "last_line.hpp"
 
 #include <hive/error.hpp>
@@ -13,7 +13,7 @@
 namespace hive {
 namespace {
 
-constexpr int not_run_by_shell = 127;  ///< the exit code of a shell that has not found the command
+constexpr int not_run_by_shell = 127;  ///< the exit code of a shell for a command that is not found
 constexpr int failed_in_ssh = 255;
 
 /// A host name, a number, or USER@HOST; never an option of ssh.
@@ -28,7 +28,7 @@ const std::string& require_host(const std::string& ssh)
     return ssh;
 }
 
-/// Where ssh keeps a connection for the next command, as its configuration writes it; empty where that cannot be.
+/// The ControlPath of the shared connection, in ssh's syntax; empty if it is not possible.
 std::string control_path(const std::filesystem::path& home)
 {
     constexpr std::size_t digest = 40, name_while_made = 17;
@@ -74,8 +74,8 @@ std::string Remote::address(std::chrono::milliseconds limit) const
     return host();
 }
 
-/// Never asks: nobody may be there to answer. What the user has set up for sharing connections is left as it is only
-/// where it is in the way of nothing, so ours has a path of its own.
+/// Never prompts: there may be no user. Connections are shared at a path of our own, so that the user's own sharing
+/// does not interfere.
 std::vector<std::string> Remote::command(const std::vector<std::string>& words) const
 {
     std::string line = "hivectl";

@@ -1,4 +1,4 @@
-// Waiting lines, one for each group and epoch.
+// Keeps a queue per group and epoch.
 #include "reorder.hpp"
 
 #include <algorithm>
@@ -137,9 +137,9 @@ void Reorder::advance(Line& line, TimePoint now)
             turns->erase(turns->begin());
 }
 
-/// A lossless result is acknowledged where it is received, and only then is its turn closed. So a closed turn that has
-/// no result here will have none: its worker gave none, or nobody here receives from that worker. A worker that left
-/// its group while nobody received from it still holds a result: when that comes it is missing, see push().
+/// A turn closes only after its lossless result was acknowledged here. So a closed turn without a result here will have
+/// none: its worker made none, or is not a sender here. A worker that left its group while it had no receiver still
+/// holds a result: when that arrives it counts as missing, see push().
 bool Reorder::answered(const Line& line, std::int64_t turn)
 {
     return line.lossless && (turn <= line.closed || line.finished);
@@ -169,7 +169,7 @@ void Reorder::finish(TimePoint now)
             earlier.since = now;
     for (auto& [key, line] : lines_)
         if (!std::exchange(line.finished, true))
-            line.stuck_since = now;  // an exception may still tell that there is no result
+            line.stuck_since = now;  // an exception may still report that there is no result
 }
 
 void Reorder::expire(TimePoint now)
@@ -185,7 +185,7 @@ void Reorder::expire(TimePoint now)
     });
 }
 
-/// Does a result of an earlier capture of this run wait in a line? Then this follows it, see hand_out().
+/// Is a result of an earlier capture of this run waiting? Then this one follows it, see hand_out().
 bool Reorder::behind_waiting(const Capture& capture) const
 {
     const Capture first{std::get<0>(capture), std::get<1>(capture), 0};
@@ -197,7 +197,7 @@ bool Reorder::behind_waiting(const Capture& capture) const
     });
 }
 
-/// Goes on behind the turns that are due. Those from before this began to receive are nobody's loss.
+/// Skips the turns that are due. Those from before receiving began do not count as missing.
 void Reorder::give_up(const Key& key, Line& line, TimePoint now)
 {
     const auto turn = line.expected++;
@@ -212,7 +212,7 @@ void Reorder::give_up(const Key& key, Line& line, TimePoint now)
     const auto since = line.stuck_since;
     advance(line, now);
     if (!line.waiting.empty() && line.expected == turn + 1)
-        line.stuck_since = since;  // those behind it have been waited for as long
+        line.stuck_since = since;  // the next ones have been awaited as long
 }
 
 void Reorder::miss(const Key& key, std::int64_t turn)

@@ -1,4 +1,4 @@
-// Checks that a new process can stand where a drone runs, and orders one that takes over.
+// Checks that a new process can replace a drone, and starts it.
 #include "directory.hpp"
 #include "successor_fit.hpp"
 
@@ -30,7 +30,7 @@ void require_forgettable(const Predecessor& before, const DroneOrder& order)
                     "if that may be: --lose-state");
 }
 
-/// The old order, as far as the new one says nothing. What the old one was told since, and its ports, are in its state.
+/// The new order, completed from the old one. Later settings of the old drone, and its ports, are in its saved state.
 void complete(DroneOrder& order, const Predecessor& before)
 {
     const auto old = before.status.order.value_or(DroneOrder{});
@@ -47,7 +47,7 @@ void complete(DroneOrder& order, const Predecessor& before)
                     "say what the new one is, if a Python file: --kind FILE.py, or kind=\"FILE.py\" in Python");
 }
 
-/// Completes an order whose process can stand where a drone of this machine runs.
+/// Completes an order that replaces a drone of this machine, and checks it.
 void make_fit(Application& application, DroneOrder& order)
 {
     const event::Home home(application.home());

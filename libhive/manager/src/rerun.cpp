@@ -1,4 +1,4 @@
-// A home of its own keeps the fresh drone apart; an application in that home gives it the inputs.
+// Isolates the fresh drone in its own home; an application in that home sends it the inputs.
 #include "background_process.hpp"
 #include "engines/engine.hpp"
 #include "inquiry.hpp"
@@ -21,7 +21,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t lines_of_log = 15;
 
-/// Removed with all that is in it.
+/// A temporary directory, removed with its content.
 class OwnHome {
 public:
     OwnHome()
@@ -43,7 +43,7 @@ private:
     fs::path directory_;
 };
 
-/// What it runs with, or ran with before it crashed.
+/// The options of the drone, from its status or its saved state.
 DroneOrder order_of(Application& application, const std::string& drone, const RerunOptions& options)
 {
     DroneOrder order{.name = drone, .kind = options.kind};
@@ -139,7 +139,7 @@ Child FreshDrone::started() const
                   .tied = true});
 }
 
-/// Until it has ended, or is to be asked again.
+/// Waits until it has exited, or until the next query.
 void FreshDrone::pause()
 {
     if (options_.cancelled && options_.cancelled())
@@ -163,7 +163,7 @@ void FreshDrone::until_ready()
                 "allow more time: --timeout SECONDS");
 }
 
-/// Some drones make only what somebody receives.
+/// Some drones produce only outputs that have receivers.
 std::unique_ptr<Collector> FreshDrone::receive()
 {
     std::vector<Endpoint> outputs;
@@ -179,7 +179,7 @@ void FreshDrone::give(const std::vector<Event>& inputs)
         application_.put({order_.name, event.input}, event);
 }
 
-/// Empty: it has ended, or its time is over.
+/// Empty: it exited or timed out.
 std::optional<Status> FreshDrone::until_finished(std::size_t inputs)
 {
     for (; in_time() && !process_.ended(); pause()) {
@@ -202,27 +202,27 @@ std::string FreshDrone::death(int status)
     return (options_.under.empty() ? "" : options_.under.front() + " ") + how_it_ended(status);
 }
 
-/// The drone ends when it has finished; the debugger, when its user has.
+/// Stops the drone once it has finished; a debugger exits when its user quits.
 void FreshDrone::leave_debugger(bool finished)
 {
     try {
         if (finished)
             application_.stop(order_.name);
     } catch (const Error&) {
-        // It has ended by itself.
+        // It exited by itself.
     }
     while (!process_.ended())
         pause();
 }
 
-/// @return  its status when it had finished; empty: it died or hangs
+/// @return  its status once it has finished; empty: it died or hangs
 std::optional<Status> FreshDrone::given(const std::vector<Event>& inputs)
 try {
     const auto collector = receive();
     give(inputs);
     return until_finished(inputs.size());
 } catch (const Error& error) {
-    // It may have died before it had answered, or stand still in a debugger.
+    // It may have died before it answered, or be paused in a debugger.
     const auto code = error.code();
     const bool refused = code == Errc::stopped || code == Errc::type_mismatch || code == Errc::not_found;
     if (refused || (options_.under.empty() && !process_.await_end(Clock::now() + 10s)))

@@ -1,4 +1,4 @@
-// One engine and one drone: the loop hears the engine until the drone is placed, then the drone until it is ready.
+// Starts one drone with one engine: polls the engine until the drone is placed, then the drone until it is ready.
 #include "engines/engine.hpp"
 #include "inquiry.hpp"
 
@@ -18,9 +18,9 @@ using Clock = std::chrono::steady_clock;
 using Life = BackgroundProcess::Life;
 
 constexpr std::size_t lines_shown = 15;
-constexpr auto time_to_hand_over = 46s;  ///< of the old drone, which may be inside a long callback
+constexpr auto time_to_hand_over = 46s;  ///< for the old drone, which may be in a long callback
 
-/// One on another machine that does not answer may have been switched off for good.
+/// A drone on another machine that does not answer may have been switched off for good.
 void require_free(Application& application, const StartOptions& options)
 {
     const auto& name = options.drone.name;
@@ -40,7 +40,7 @@ void require_free(Application& application, const StartOptions& options)
                     + "-2; or keep it: if_missing (hivectl start --if-missing)");
 }
 
-/// With what is usual filled in.
+/// Fills in the defaults.
 StartOptions completed(StartOptions options)
 {
     auto& drone = options.drone;
@@ -52,14 +52,14 @@ StartOptions completed(StartOptions options)
     return options;
 }
 
-/// "face@gpu1": the drone of this name on the machine that is meant.
+/// "face@gpu1": the drone of this name on the given machine.
 std::string reference_of(const Application& application, const StartOptions& options)
 {
     const auto host = options.ssh.empty() ? Place::here : Remote(options.ssh, application.home()).host();
     return options.drone.name + "@" + host;
 }
 
-/// The place of a drone of this name and kind that runs there already, once it is ready.
+/// The place of a running drone of this name and kind there, once it is ready.
 std::optional<Place> found_ready(Application& application, const StartOptions& options)
 {
     Inquiry inquiry(application);
@@ -92,9 +92,9 @@ public:
 
     [[nodiscard]] const std::string& name() const { return options_.drone.name; }
     BackgroundProcess* process() { return engine_->process(name()); }
-    /// Returns when the drone is ready. Whatever goes wrong, it is stopped again.
+    /// Returns when the drone is ready. After any error it is stopped.
     Started await();
-    /// What of it could not be stopped.
+    /// Processes that could not be stopped.
     std::vector<SwarmFailure> stop();
 
 private:
@@ -157,7 +157,7 @@ bool Start::answers()
         if (!answer.error)
             return answer.status.state != State::starting;
         if (answer.error->code() == Errc::not_permitted)
-            throw engine_->explained(*answer.error);  // another key does not become this one
+            throw engine_->explained(*answer.error);  // a wrong key does not become right by waiting
         engine_->look_again(name(), *answer.error);
     }
     return false;

@@ -1,4 +1,4 @@
-// Compares two interfaces, as far as the first is in use.
+// Compares the used part of one interface with another.
 #include "successor_fit.hpp"
 
 #include <hive/name.hpp>
@@ -8,7 +8,7 @@
 namespace hive {
 namespace {
 
-/// The type of a port of another drone, if it is one and answers.
+/// The type of a port at the other end, if that is a drone and answers.
 std::optional<std::string> type_at(Application& application, const Endpoint& end,
                                    const Port* (Interface::*port)(std::string_view) const)
 try {
@@ -16,7 +16,7 @@ try {
     const Port* found = (interface.*port)(end.port);
     return found ? std::optional(found->type) : std::nullopt;
 } catch (const Error&) {
-    return std::nullopt;  // it does not run, or is an application
+    return std::nullopt;  // not running, or an application
 }
 
 [[noreturn]] void refuse_missing(const Interface& next, const std::string& what, const std::string& why)
@@ -46,7 +46,7 @@ void require_output(Application& application, const Predecessor& before, const I
 {
     const Port* same = before.interface.output(name);
     if (!same || edge.group || !edge.connected)
-        return;  // exceptions have all drones
+        return;  // every drone has the output of exceptions
     const Port* output = next.output(name);
     if (!output)
         refuse_missing(next, "output " + name, "which " + edge.receiver + " receives");

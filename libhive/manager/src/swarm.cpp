@@ -1,4 +1,4 @@
-// Bringing up and taking down.
+// Brings a swarm up and takes it down.
 #include <hive/swarm.hpp>
 
 #include "swarm/changes.hpp"
@@ -116,7 +116,7 @@ SwarmOutcome Swarm::up(std::chrono::milliseconds patience, const SwarmWatch& wat
     const auto before = record.read();
     const auto differences = swarm::differences(application_, plan_, before, watch.told);
     SwarmOutcome outcome{.steps = differences.steps, .failures = {}, .remains = {}};
-    record.write(swarm::with_rest_of(plan_, before));  // whoever is killed here leaves behind what the next one finds
+    record.write(swarm::with_rest_of(plan_, before));  // if killed here, the next process finds what to clean up
     swarm::Starting starting(application_, plan_);
     swarm::Restarting restarting(application_, differences);
     swarm::Changes changes(application_);

@@ -1,4 +1,4 @@
-// Connecting: telling the receiver which output it is to register at, and where that is.
+// Connects by sending the receiver the output at which it is to register, and its addresses.
 #include "application_core.hpp"
 #include "fitting_ports.hpp"
 
@@ -39,7 +39,7 @@ namespace {
 
 constexpr std::string_view on_network = "tcp://";
 
-/// The directory of its socket, among the places that a drone says it has; empty: it did not say.
+/// The directory of its socket, among the places that a drone reports; empty: not reported.
 std::string home_in(const std::vector<std::string>& places)
 {
     for (const auto& place : places)
@@ -48,8 +48,9 @@ std::string home_in(const std::vector<std::string>& places)
     return {};
 }
 
-/// A drone that listens at all addresses of its machine is met at the host where it was met from here. Of one on this
-/// machine the receiver knows better than we do which of our addresses it reaches: the one from which it is asked.
+/// A drone elsewhere that listens at all addresses of its machine is reachable at the host at which we reach it. For
+/// one on this machine the address is left open: the receiver sees which of our addresses it reaches, that from which
+/// it gets the request.
 std::string seen_from_here(const std::string& address, const Place& place)
 {
     auto parsed = transport::parse_address(address);
@@ -106,7 +107,7 @@ void Application::disconnect(const Endpoint& sender, const Endpoint& receiver)
         if (core_->directory.find(receiver.drone))
             return core_->disconnect(sender, receiver);
     } catch (const Error& error) {
-        // From here it seems to be gone, it hangs, or it was never connected.
+        // From here the receiver seems to be gone, or it hangs, or was never connected.
         const bool gone = error.code() == Errc::unreachable && !is_here(core_->place(receiver.drone));
         if (!gone && error.code() != Errc::not_found && error.code() != Errc::timeout)
             throw;

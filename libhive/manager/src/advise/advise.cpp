@@ -1,4 +1,4 @@
-// Measures, predicts, and makes JSON of it.
+// Measures and predicts, and writes the results as JSON.
 #include "commands.hpp"
 
 #include <array>
@@ -22,7 +22,7 @@ AdvisedLine advised(Application& application, const Measured& measured, Goal goa
             complete(application, measured, candidate);
             result.proposals.push_back(std::move(candidate.proposal));
         } catch (const Error&) {
-            // A drone that does not tell what a further one has to be started with.
+            // A drone that does not report the options for a further one.
         }
     return result;
 }

@@ -60,7 +60,7 @@ std::vector<Change> changes_of(const Line& line)
             changes.push_back(std::move(change));
     if (const auto all = limits(line);
         !line.on_demand && !line.rate_parameter.empty() && all.size() > 1 && all[0].what != Station::What::source) {
-        constexpr double below = 0.9;  // so that what comes in bursts does not wait either
+        constexpr double below = 0.9;  // so that bursts do not wait either
         // Divided, so that 9.6 is not 9.600000000000001.
         if (const double steps = std::floor(below * rate(line) / line.rate_step + 1e-9); steps > 0)
             changes.push_back({.what = What::source_rate, .fps = steps / (1 / line.rate_step)});
@@ -81,8 +81,8 @@ std::vector<Change> changes_of(const Line& line)
     return changes;
 }
 
-/// Where processors are full, the work of an event contains waiting for one. Code that computes most of the time is
-/// taken to compute all the time.
+/// If the processors are full, the measured work includes waiting for one. Code that computes most of the time is
+/// assumed to compute all the time.
 void free_processors(Line& line, const std::string& host)
 {
     constexpr double computes = 0.3;
@@ -179,7 +179,7 @@ std::vector<Candidate> candidates(const Line& line, Goal goal)
         const auto [sure, why] = doubt_of(line, change);
         const auto now = limits(after);
         Proposal proposal{.what = change.what, .predicted_per_s = rate(after), .sure = sure, .unsure = why};
-        // The present rate is known better than the model of it.
+        // The measured rate is more accurate than the model.
         if (sure == Sure::low && std::isfinite(fit))
             proposal.predicted_per_s *= std::min(1.0, fit);
         if (age > 0)

@@ -1,4 +1,4 @@
-// Connections are made again with other options; a further member is started as the first one, and connected likewise.
+// Reconnects with other options; starts a further member with the options and connections of the first.
 #include "commands.hpp"
 
 #include "../directory.hpp"
@@ -44,7 +44,7 @@ std::string reconnected(const Stage& stage, const ConnectionOptions& options)
     return joined(lines);
 }
 
-/// "face-2" beside "face" or "face-1", and not in use.
+/// The next unused name: "face-2" after "face" or "face-1".
 std::string free_name(Application& application, const std::string& member)
 {
     const auto used = application.drones();
@@ -57,7 +57,7 @@ std::string free_name(Application& application, const std::string& member)
             return name;
 }
 
-/// An address that the drone of the order does not have to itself.
+/// Removes the port, which belongs to the drone of the order.
 std::string without_port(const std::string& address)
 {
     const auto colon = address.rfind(':'), bracket = address.rfind(']');
@@ -66,7 +66,7 @@ std::string without_port(const std::string& address)
     return has_port ? address.substr(0, colon) : address;
 }
 
-/// A group of that output which nobody else is in: "face", or "face-2".
+/// An unused group name at that output: "face", or "face-2".
 std::string free_group(const Status& sender, const std::string& wanted)
 {
     std::set<std::string> used;

@@ -1,4 +1,4 @@
-// The counters say what happened to all events; the headers, how long each one took.
+// The counters cover all events; the headers have the times of each one.
 #include "measure.hpp"
 
 #include "../directory.hpp"
@@ -15,9 +15,9 @@ using explaining::Look;
 using explaining::owner_of;
 using Clock = std::chrono::steady_clock;
 
-/// What the events of one output show.
+/// The measurements of the events of one output.
 struct Seen {
-    int events = 0, worked = 0;  ///< worked: those that tell how long that took
+    int events = 0, worked = 0;  ///< worked: those with a processing time
     Clock::time_point first{}, last{};
     double wait_us = 0, work_us = 0, age_us = 0, bytes = 0;  ///< sums; bytes: the greatest
 
@@ -44,7 +44,7 @@ using AllSeen = std::map<std::string, Seen>;
 struct Looks {
     Look before, after;
 
-    /// Null: it does not answer, or was restarted between the looks.
+    /// Null: no answer, or restarted between the two statuses.
     [[nodiscard]] const StatusAnswer* earlier(const StatusAnswer& now) const
     {
         const auto* found = before.find(now.drone);
@@ -147,7 +147,7 @@ void add_member(Stage& stage, const Status& before, const Status& now, const Ste
         throw Error(Errc::connection_lost, now.name + " was connected again meanwhile", "try again");
     const auto all = row ? static_cast<double>(processed(now) - processed(before)) : done;
     double work = ratio(static_cast<double>(now.busy_us - before.busy_us), all);
-    constexpr double alike = 0.1;  // counters cut the first and the last event, headers tell all of each
+    constexpr double alike = 0.1;  // counters cut off parts of the first and last event, headers do not
     if (seen && row && seen->worked > 0) {
         const double told = seen->work_us / seen->worked;
         work = std::abs(work - told) < std::max(alike * work, time / std::max(1.0, all) / all) ? told : work;
@@ -193,7 +193,7 @@ Stage stage_of(const Looks& looks, const AllSeen& all, const std::vector<Step>& 
     const auto& step = way[i];
     Stage stage{.members = step.members, .from = step.from};
     double ages = 0, aged = 0;
-    bool work_follows = false;  // what is known is how old events are when they arrive
+    bool work_follows = false;  // the known age is that at arrival
     for (const auto& member : step.members) {
         const auto* found = looks.after.find(member);
         const auto* before = found ? looks.earlier(*found) : nullptr;
@@ -258,8 +258,8 @@ std::map<std::string, MachineLoad> machines_of(const Looks& looks, const std::ve
     return machines;
 }
 
-/// All sources of Hive that can be on demand have this parameter. Headers do not tell it: a notification is a live
-/// event.
+/// All sources of Hive that support on demand have this parameter. Headers do not show the mode: a notification is a
+/// live event.
 bool is_on_demand(Application& application, const std::string& source)
 {
     return application.describe(source).parameter("pace") != nullptr
@@ -284,7 +284,7 @@ void ask_interfaces(Application& application, const Looks& looks, Line& line)
     }
 }
 
-/// A few events as JPEG, to see what that costs.
+/// Measures the cost of JPEG on a few events.
 std::optional<Encoded> try_jpeg(Application& application, const Stage& stage)
 {
     constexpr int wanted = 3;
@@ -307,7 +307,7 @@ std::optional<Encoded> try_jpeg(Application& application, const Stage& stage)
     return Encoded{sum.bytes / events, sum.encode_us / events};
 }
 
-/// Where raw images spend a good part of the time on a connection to another machine.
+/// Stages where raw images spend much of the time on a connection to another machine.
 void try_encodings(Application& application, Line& line)
 {
     constexpr double much = 0.2;
@@ -374,7 +374,7 @@ std::vector<Measured> measure(Application& application, const std::vector<std::s
     for (const auto& way : ways)
         try {
             measured.push_back({way, line_of(application, looks, seen, way)});
-        } catch (const Error&) {  // a drone that is started again and again must not hide the other lines
+        } catch (const Error&) {  // a drone that restarts repeatedly must not hide the other lines
             if (ways.size() == 1)
                 throw;
         }

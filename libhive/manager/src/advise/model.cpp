@@ -1,4 +1,4 @@
-// The model: a stage lets through what its members, its connection and the processors of its machine let through.
+// The model: the rate of a stage is limited by its members, its connection and the processors of its machine.
 #include "line.hpp"
 
 #include <algorithm>
@@ -35,7 +35,7 @@ void add_limits(std::vector<Station>& limits, const Stage& stage)
         add(limits, Station::What::window, connection(stage), path, windowed);
 }
 
-/// Processor time on the machine of one event of the line, but for the source, which is as fast as it is.
+/// Processor time per event of the line on the machine, without the source, whose speed is given.
 double cpu_per_event_us(const Line& line, const std::string& host)
 {
     double sum = 0;
@@ -45,7 +45,7 @@ double cpu_per_event_us(const Line& line, const std::string& host)
     return sum;
 }
 
-/// What the rest of the machine needs is left to it, but the scheduler lets those that need little have that at once.
+/// Other processes keep the processors that they use, but the scheduler serves small users at once.
 void add_limits(std::vector<Station>& limits, const Line& line)
 {
     constexpr double little = 0.2;  // processors
@@ -61,7 +61,7 @@ double source_per_s(const Line& line)
     return !line.on_demand ? source.per_s : source.work_us > 0 ? second_us / source.work_us : HUGE_VAL;
 }
 
-/// What stage i alone lets through.
+/// The maximum rate of stage i alone.
 double stage_per_s(const Stage& stage)
 {
     std::vector<Station> limits;
@@ -72,7 +72,7 @@ double stage_per_s(const Stage& stage)
     return lowest;
 }
 
-/// Of a saturated stage: what an event takes on the connection beside the round trip and the encoding.
+/// Of a saturated stage: the time of an event on the connection besides the round trip and the encoding.
 double saturated_transit_us(const Stage& stage)
 {
     const double cycle = stage.size() * second_us / stage.per_s, window = stage.options.window;

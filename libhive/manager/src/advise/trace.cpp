@@ -1,4 +1,4 @@
-// From a drone against the direction of the events to the source; of several inputs, the one with the oldest events.
+// Walks upstream from a drone to the source; of several inputs, takes the one with the oldest events.
 #include "trace.hpp"
 
 #include "../directory.hpp"
@@ -18,7 +18,7 @@ const StatusAnswer* answering(const Look& look, const std::string& drone)
     return answer && !answer->error ? answer : nullptr;
 }
 
-/// Do its events come from that drone, directly or not?
+/// Does it receive from that drone, directly or indirectly?
 bool carries_events(const Look& look, const InputStatus& input)
 {
     return input.connected && input.options.delivery == Delivery::data && answering(look, owner_of(input.from));
@@ -34,7 +34,7 @@ bool comes_from(const Look& look, const std::string& drone, const std::string& s
            });
 }
 
-/// @param passed  drones that are on the way already: what comes from them is fed back
+/// @param passed  drones already on the path: their events are feedback
 const InputStatus* input_on_way(const Look& look, const Status& status, const std::string& source,
                                 const std::set<std::string>& passed = {})
 {
@@ -63,7 +63,7 @@ std::vector<std::string> members_of(const Look& look, const StatusAnswer& one, c
     return members;
 }
 
-/// Empty: the source is not reached.
+/// Empty: no source was found.
 std::vector<Step> way_to(const Look& look, const std::string& target, const std::string& source)
 {
     std::vector<Step> way;

@@ -1,4 +1,4 @@
-// Which engine has which name, and what all of them say to a drone.
+// Creates engines by name, and writes the options common to all of them.
 #include "engine.hpp"
 
 #include <hive/program.hpp>
@@ -83,7 +83,7 @@ Error not_ready(const std::string& drone, int status, const std::string& last_wo
 
 SwarmDrone as_started(const SwarmPlan& plan, SwarmDrone drone)
 {
-    if (drone.swarm.empty())  // else it was another one's before it is started again, and stays that
+    if (drone.swarm.empty())  // else another swarm owned it before the restart, and still does
         drone.swarm = plan.name;
     for (const auto& [from, to, options] : plan.connections)
         if (from.drone == drone.name && !from.port.empty() && !to.port.empty() && options.delivery == Delivery::data)

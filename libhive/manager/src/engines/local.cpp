@@ -1,4 +1,4 @@
-// The drones of this machine as background processes, which live on when the one that started them has ended.
+// Runs the drones of this machine as background processes, which outlive the process that started them.
 #include "engine.hpp"
 
 #include <hive/event/home.hpp>
@@ -15,11 +15,11 @@
 namespace hive {
 namespace {
 
-/// So many at a time that the processors are busy, but the first ones are soon ready.
+/// Enough at a time to keep the processors busy, but few enough that the first ones are ready soon.
 constexpr std::size_t at_once = 16;
 constexpr std::size_t lines_shown = 15;
 constexpr std::chrono::seconds grace(3);         ///< as BackgroundProcess::end()
-constexpr std::chrono::seconds time_to_exit(1);  ///< for a successor that is late to exit by itself
+constexpr std::chrono::seconds time_to_exit(1);  ///< for a late successor to exit by itself
 constexpr int max_attempts = 3;                  ///< to take over
 
 class LocalEngine final : public Engine {
@@ -41,7 +41,7 @@ private:
         SwarmDrone drone;
         BackgroundProcess process;
         std::int64_t predecessor;  ///< 0: none
-        Clock::time_point end;     ///< of one that takes over: to be ready by then
+        Clock::time_point end;     ///< of a successor: to be ready by then
         int attempt = 1;
         bool met = false;  ///< reported
     };
@@ -51,7 +51,7 @@ private:
     [[nodiscard]] std::optional<Report> look(Begun& begun) const;
     [[nodiscard]] std::optional<Report> look_at_successor(Begun& begun) const;
     [[nodiscard]] static bool is_of(const Begun& begun, std::int64_t pid);
-    /// The drone to hand over.
+    /// Deadline for the drone to hand over.
     [[nodiscard]] bool has_asked(const Begun& begun) const
     {
         return takes_over(begun.drone) && is_of(begun, home_.successor(begun.drone.name));
@@ -127,7 +127,7 @@ Engine::Report LocalEngine::placed(const std::string& drone) const
             .log = home_.path(drone, ".log").string()};
 }
 
-/// Is this the process that we started, or one of a wrapper that we started?
+/// Is this the process that we started, or a child of a wrapper that we started?
 bool LocalEngine::is_of(const Begun& begun, std::int64_t pid)
 {
     return pid == begun.process.pid() || ::getsid(static_cast<pid_t>(pid)) == begun.process.pid();
@@ -150,7 +150,8 @@ std::optional<Engine::Report> LocalEngine::look(Begun& begun) const
     return Report{.drone = name, .error = not_ready(name, *status, begun.process.last_words(lines_shown))};
 }
 
-/// Once it has asked the old one to hand over, that exits, so another process is started when this one crashes.
+/// The old drone exits once a successor has asked it to hand over, so another process is started if the successor
+/// crashes.
 std::optional<Engine::Report> LocalEngine::look_at_successor(Begun& begun) const
 {
     const auto& name = begun.drone.name;
@@ -175,7 +176,7 @@ std::optional<Engine::Report> LocalEngine::look_at_successor(Begun& begun) const
     return Report{.drone = name, .error = not_ready(subject_of(begun.drone), *status, words)};
 }
 
-/// All are asked before one is waited for. Which is 3 s at most, so it is not cut short.
+/// Signals all before waiting for one. The wait is at most 3 s, so `until` does not shorten it.
 std::vector<SwarmFailure> LocalEngine::stop(const std::vector<std::string>& drones, Clock::time_point)
 {
     const auto meant = [&](const std::string& name) { return std::ranges::find(drones, name) != drones.end(); };
@@ -191,7 +192,7 @@ std::vector<SwarmFailure> LocalEngine::stop(const std::vector<std::string>& dron
         if (!has_asked(begun))
             begun.process.end(kill_at);
         if (has_asked(begun) && !begun.met && begun.process.ended())
-            begun.process = started(begun.drone);  // it asked just before it was ended
+            begun.process = started(begun.drone);  // it asked just before it was stopped
         if (has_asked(begun) && !begun.process.ended())
             remains.push_back({begun.drone.name, Error(Errc::stopped, "it is taking over, and goes on by itself")});
         return true;

@@ -1,4 +1,4 @@
-// A connection that is made and closed again.
+// Opens a connection and closes it.
 #include "reachable.hpp"
 
 #include <cerrno>

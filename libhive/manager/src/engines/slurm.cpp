@@ -1,4 +1,4 @@
-// Each drone as a step of the Slurm allocation in which this program runs.
+// Runs each drone as a step of the Slurm allocation in which this program runs.
 #include "engine.hpp"
 
 #include "../last_line.hpp"
@@ -24,13 +24,13 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr std::size_t steps_at_once = 16;  ///< begun and not yet met
+constexpr std::size_t steps_at_once = 16;  ///< started and not yet reachable
 constexpr std::size_t step_log_lines = 15;
-constexpr auto patience_of_slurm = 10s;  ///< for one of its commands
-constexpr auto patience_to_end = 5s;     ///< for steps that were told to
+constexpr auto patience_of_slurm = 10s;  ///< per command of Slurm
+constexpr auto patience_to_end = 5s;     ///< for steps after a signal
 
-/// What a drone listens at on its node, below the ports that the system gives out: the same each time, so that a drone
-/// that a killed `up` has left behind is found; the next one where another program has it.
+/// The range of drones' ports on a node, below the system's ephemeral ports. A drone gets the same port each time, so
+/// that one left behind by a killed `up` is found; if another program has the port, it gets the next.
 constexpr int first_port = 12'000, ports = 20'000, port_tries = 3;
 
 int port_of(const std::string& job, const std::string& drone, int attempt)
@@ -137,7 +137,7 @@ std::vector<int> SlurmEngine::descriptors() const
     return all;
 }
 
-/// Where the node is met, Slurm knows. False as long as that is not known.
+/// Queries Slurm for the node's address. False until it is known.
 bool SlurmEngine::find_node(std::vector<Report>& reports)
 try {
     if (!address_.empty() || waiting_.empty())
@@ -162,7 +162,7 @@ void SlurmEngine::start(const SwarmDrone& drone, std::vector<Report>& reports)
 try {
     const int port = free_port(drone);
     const auto words = words_of(drone, port);
-    // A home of the node: one that the nodes share would have sockets and locks that mean nothing on the others.
+    // A home per node: in a home shared by the nodes, sockets and locks of one would not work on the others.
     const auto home = "/tmp/hive-" + std::to_string(::getuid()) + "-" + job_ + "-" + node_;
     auto environment = command_of(drone.kind).environment;
     environment.push_back("HIVE_HOME=" + home);
@@ -187,7 +187,7 @@ std::vector<std::string> SlurmEngine::words_of(SwarmDrone drone, int port) const
     return words;
 }
 
-/// That of "tcp://HOST:PORT", where the plan has one.
+/// The port of "tcp://HOST:PORT", if the plan has one, or a free one.
 int SlurmEngine::free_port(const SwarmDrone& drone) const
 {
     if (const auto colon = drone.listen.rfind(':'); !drone.listen.empty()) {
@@ -213,7 +213,7 @@ std::optional<Engine::Report> SlurmEngine::look(Step& step) const
     if (refused)
         for (int attempt = 0; attempt < port_tries; ++attempt)
             if (const int port = port_of(job_, name, attempt); reachable(address_, port))
-                return place_of(name, port);  // a hivectl that was killed had begun it
+                return place_of(name, port);  // a killed hivectl had started it
     return Report{.drone = name, .error = not_ready(name, *status, step.process.last_words(step_log_lines))};
 }
 
@@ -225,7 +225,7 @@ Engine::Report SlurmEngine::place_of(const std::string& drone, int port) const
             .place = {.drone = drone, .host = node_, .address = "tcp://" + host + ":" + std::to_string(port)}};
 }
 
-/// "JOB.STEP" of each; of the job around us, or of any where there is none.
+/// "JOB.STEP" of each, in the current job, or in any job outside of an allocation.
 std::vector<std::string> SlurmEngine::steps_named(const std::vector<std::string>& drones) const
 {
     const auto listed =
@@ -242,7 +242,7 @@ std::vector<std::string> SlurmEngine::steps_named(const std::vector<std::string>
     return ids;
 }
 
-/// A drone that is told to end by SIGTERM forgets what it was told; srun itself would kill it.
+/// Signals the step: on SIGTERM a drone discards its saved state, while srun would kill it.
 std::vector<SwarmFailure> SlurmEngine::stop(const std::vector<std::string>& drones, Clock::time_point)
 {
     const auto meant = [&](const std::string& name) { return std::ranges::find(drones, name) != drones.end(); };
@@ -271,7 +271,8 @@ std::vector<SwarmFailure> SlurmEngine::stop(const std::vector<std::string>& dron
     return remains;
 }
 
-/// The steps that have not ended in time. Of those of an earlier process only Slurm can tell, and it calls nobody.
+/// The steps that have not ended in time. For those of an earlier process, only Slurm has the state, and must be
+/// polled.
 std::vector<std::string> SlurmEngine::left_of(const std::vector<std::string>& drones)
 {
     const auto until = Clock::now() + patience_to_end;

@@ -1,4 +1,4 @@
-// The drones of a machine that ssh reaches: the hivectl there starts and stops them.
+// Runs drones on another machine over ssh: the hivectl there starts and stops them.
 #include "engine.hpp"
 
 #include "../last_line.hpp"
@@ -21,17 +21,17 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// What one connection of ssh carries at once: an sshd allows 10 sessions (MaxSessions), and a user may need one.
+/// Sessions of one ssh connection: an sshd allows 10 (MaxSessions), and the user may need one.
 constexpr std::size_t sessions_at_once = 8;
-/// And all engines of this process together, so that descriptors do not run out: each takes three.
+/// Sessions of all engines of this process, so that descriptors do not run out: each takes three.
 constexpr int sessions_everywhere = 64;
-constexpr auto a_moment_more = 2s;  ///< than a start there may take, so that what it came to is known here
+constexpr auto a_moment_more = 2s;  ///< more than a start there may take, so that its outcome arrives here
 constexpr auto patience_to_stop = 30s;
 constexpr auto patience_to_look = 10s;
 constexpr auto patience_for_keys = 5s;
-constexpr auto look_every = 1s;  ///< what has become of a drone that was ready there and does not answer here
+constexpr auto look_every = 1s;  ///< interval of checking a drone that was ready there and does not answer here
 constexpr const char* lines_of_log = "15";
-constexpr int not_found = 3;  ///< the exit code of hivectl when a drone does not run
+constexpr int not_found = 3;  ///< the exit code of hivectl if a drone is not running
 
 std::atomic<int> running_everywhere{0};
 
@@ -55,10 +55,10 @@ private:
     /// A drone that was ready there and does not answer here.
     struct Silent {
         Error why;
-        int found_running = 0;  ///< by looks
+        int found_running = 0;  ///< number of checks
         Clock::time_point next_look{};
     };
-    /// One hivectl there.
+    /// One running hivectl there.
     struct Session {
         Session(std::string name, const std::vector<std::string>& words, std::chrono::milliseconds limit)
             : drone(std::move(name)), command(words, limit)
@@ -91,14 +91,14 @@ private:
     std::string address_;  ///< of the machine; empty: not known yet
     std::deque<SwarmDrone> waiting_;
     std::list<Session> starts_;
-    std::list<Session> looks_, logs_;  ///< at drones that were ready there and do not answer here
+    std::list<Session> looks_, logs_;  ///< checks of drones that were ready there and do not answer here
     std::map<std::string, Silent> silent_;
-    Clock::time_point until_{};    ///< when what was begun is to be ready
-    std::set<std::string> begun_;  ///< that may run because of this engine
-    bool connected_ = false;       ///< the first session has made the connection that the others share
+    Clock::time_point until_{};    ///< deadline for all to be ready
+    std::set<std::string> begun_;  ///< that this engine may have started
+    bool connected_ = false;       ///< the first session has opened the connection that the others share
 };
 
-/// As hivectl takes them: whole ones, 1 at least.
+/// For hivectl: whole seconds, at least 1.
 std::int64_t seconds_until(Engine::Clock::time_point until)
 {
     return std::max<std::int64_t>(1, std::chrono::ceil<std::chrono::seconds>(until - Engine::Clock::now()).count());
@@ -110,17 +110,17 @@ std::chrono::milliseconds time_until(Engine::Clock::time_point until)
         std::max(until - Engine::Clock::now(), Engine::Clock::duration(0)));
 }
 
-/// What hivectl there does, with the options of a drone's program that it takes as well.
+/// The hivectl command, with those options of a drone's program that hivectl has too.
 std::vector<std::string> words_of(std::vector<std::string> words, const SwarmDrone& drone)
 {
     const auto program = arguments_of(drone);
-    for (std::size_t i = 2; i < program.size(); ++i)  // behind --name NAME
+    for (std::size_t i = 2; i < program.size(); ++i)  // after --name NAME
         if (program[i] != "--set")
             words.push_back(program[i]);
     return words;
 }
 
-/// A drone that others find: at a port, unless the plan says which.
+/// Adds a listening address, unless the plan has one.
 std::vector<std::string> words_to_start(SwarmDrone drone, Engine::Clock::time_point until)
 {
     if (drone.listen.empty())
@@ -171,7 +171,7 @@ std::vector<int> SshEngine::descriptors() const
     return all;
 }
 
-/// The drone was ready when it was reported, since the hivectl there waits for that; but it may have ended since.
+/// The drone was ready when it was reported, since the hivectl there waits for that, but may have exited since.
 void SshEngine::look_again(const std::string& drone, const Error& why)
 {
     const auto now = Clock::now();
@@ -205,7 +205,7 @@ void SshEngine::look_at_the_silent(std::vector<Report>& reports)
     });
 }
 
-/// It may just be ending there, or one answer may have been late, so there is a second look.
+/// It may just be exiting there, or one answer may have been late, so it is checked twice.
 void SshEngine::hear_running(const std::string& drone, std::vector<Report>& reports)
 {
     auto& [why, found_running, next_look] = silent_.at(drone);
@@ -245,7 +245,7 @@ void SshEngine::start_next(std::vector<Report>& reports)
 Engine::Report SshEngine::report_of(const std::string& drone, const CommandResult& result)
 try {
     if ((result.exit_code == 255 && !connected_) || result.exit_code == 127)
-        begun_.erase(drone);  // nothing was begun; a connection that was there may have ended later than that
+        begun_.erase(drone);  // nothing was started; but an established connection may have ended after a start
     remote_.require_there(result);
     connected_ = true;
     if (result.exit_code == 0) {
@@ -253,27 +253,27 @@ try {
         const Fields fields(started, "what hivectl start printed");
         const bool found = fields.flag_or("found", false);
         if (found)
-            begun_.erase(drone);  // somebody else's, or that of a hivectl that was killed: not ours to end
+            begun_.erase(drone);  // another user's, or of a killed hivectl: not ours to stop
         return {.drone = drone,
                 .place = place_of(drone, fields.array("places")),
                 .found = found,
                 .log = fields.text_or("log", "")};
     }
     if (result.exit_code < 128)  // else a signal ended ssh
-        begun_.erase(drone);     // the hivectl there has ended it
+        begun_.erase(drone);     // the hivectl there has stopped it
     return {.drone = drone, .error = explained(error_of(result))};
 } catch (const Error& error) {
     return {.drone = drone, .error = error};
 }
 
-/// What the hivectl there said; of one that was ended, its last line.
+/// The error of the hivectl there, or its last line.
 Error SshEngine::error_of(const CommandResult& result) const
 {
     const auto error = failure_in(result.err).value_or(Error(errc_of_exit(result.exit_code), last_line(result.err)));
     return error.reworded(remote_.host() + ": " + error.what());
 }
 
-/// Those of the user there, by id; nothing: it cannot be told.
+/// The user's keys there, by id; nothing: unknown.
 std::optional<std::set<std::string>> SshEngine::keys_there() const
 try {
     const auto listed = remote_.hivectl({"key", "show", "--json"}, patience_for_keys);
@@ -286,7 +286,7 @@ try {
     return std::nullopt;
 }
 
-/// A refusal may be due to the key: one that is missing there, or that is not the one here.
+/// A refusal may be due to a missing or different key there.
 Error SshEngine::explained(const Error& error) const
 try {
     if ((error.code() != Errc::refused && error.code() != Errc::not_permitted) || default_key_file().empty())
@@ -300,7 +300,7 @@ try {
             remote_.host() + (there->empty() ? " has no swarm key" : " has another swarm key") + "; copy the one of "
                 + "this machine: " + copy_of_key(file, ssh_)};
 } catch (const Error&) {
-    return error;  // there is no key here
+    return error;  // no key here
 }
 
 Place SshEngine::place_of(const std::string& drone, const Json& places)
@@ -313,9 +313,8 @@ Place SshEngine::place_of(const std::string& drone, const Json& places)
     return {.drone = drone, .host = remote_.host(), .address = remote_.met_at(texts, address_), .ssh = ssh_};
 }
 
-/// A start that is under way there goes on when its ssh is ended here, so it is waited for, as long as the hivectl
-/// there may take, and then undone. One that is asked to stop before it is ready there would be ready later.
-/// A replacement needs nobody here.
+/// A start continues there if its ssh is stopped here, so this waits for it, as long as the hivectl there may take, and
+/// then undoes it: a stop before the drone is ready would have no effect. A replacement completes without us.
 void SshEngine::await_starts(Clock::time_point until)
 {
     for (auto& start : starts_)
@@ -335,7 +334,7 @@ std::vector<SwarmFailure> SshEngine::stop(const std::vector<std::string>& drones
         return {};
     std::vector<SwarmFailure> remains;
     if (stop_there({meant.begin(), meant.end()}, until))
-        for (const auto& name : meant)  // which of them is it?
+        for (const auto& name : meant)  // stop them one by one, to see which one fails
             if (const auto error = stop_there({name}, until))
                 remains.push_back({name, *error});
     for (const auto& name : meant)

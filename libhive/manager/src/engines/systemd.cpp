@@ -1,4 +1,4 @@
-// The drones of this machine as units of the user's systemd, which starts those again that crash.
+// Runs the drones of this machine as units of the user's systemd, which restarts crashed ones.
 #include "engine.hpp"
 
 #include "../last_line.hpp"
@@ -21,9 +21,9 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr std::ptrdiff_t units_at_once = 32;  ///< begun and not yet met
+constexpr std::ptrdiff_t units_at_once = 32;  ///< started and not yet reachable
 constexpr std::size_t journal_lines = 15;
-constexpr auto patience_of_systemd = 30s;  ///< for one call of systemctl
+constexpr auto patience_of_systemd = 30s;  ///< per call of systemctl
 constexpr auto pause_between_looks = 200ms;
 
 class SystemdEngine final : public Engine {
@@ -58,7 +58,7 @@ private:
     event::Home home_;
     std::deque<SwarmDrone> waiting_;
     std::map<std::string, Unit> units_;
-    std::deque<Words> calls_;  ///< still to be made
+    std::deque<Words> calls_;  ///< pending
     std::optional<RunningCommand> calling_, asking_;
     Clock::time_point next_look_{};
 };
@@ -77,7 +77,7 @@ std::filesystem::path unit_directory()
            / "systemd" / "user";
 }
 
-/// "KEY=VALUE" lines, one unit after another with an empty line between them.
+/// "KEY=VALUE" lines, one block per unit, separated by empty lines.
 std::vector<std::map<std::string, std::string>> properties_in(const std::string& text)
 {
     std::vector<std::map<std::string, std::string>> units(1);
@@ -121,7 +121,7 @@ std::vector<int> SystemdEngine::descriptors() const
     return all;
 }
 
-/// A few units at a time, so that the first ones are soon ready.
+/// A few units at a time, so that the first ones are ready soon.
 void SystemdEngine::write_next(std::vector<Report>& reports)
 {
     Words started{"start", "--no-block"};
@@ -142,7 +142,7 @@ void SystemdEngine::write_next(std::vector<Report>& reports)
         calls_.insert(calls_.end(), {{"daemon-reload"}, started});
 }
 
-/// The units of a user are those of all homes.
+/// A user's units are shared by all homes.
 void SystemdEngine::require_free(const std::string& drone) const
 {
     const auto unit = unit_directory() / unit_name(drone);
@@ -173,7 +173,7 @@ void SystemdEngine::write(const SwarmDrone& drone)
     units_.insert_or_assign(drone.name, Unit{.log = std::move(from_now)});
 }
 
-/// One call after another; when one fails, nothing that is not met will be.
+/// Runs the calls one after the other; if one fails, all units that are not reachable yet fail.
 void SystemdEngine::call(std::vector<Report>& reports)
 try {
     if (!calling_ && !calls_.empty()) {
@@ -199,7 +199,7 @@ void SystemdEngine::fail_all(const Error& error, std::vector<Report>& reports)
     }
 }
 
-/// Has systemd given up on one of those that are waited for?
+/// Finds starting units on which systemd has given up.
 void SystemdEngine::look(std::vector<Report>& reports)
 try {
     if (!asking_ && Clock::now() >= next_look_) {
@@ -227,7 +227,7 @@ void SystemdEngine::hear(const std::map<std::string, std::string>& said, std::ve
     const auto found =
         std::ranges::find_if(units_, [&](const auto& entry) { return unit_name(entry.first) == value("Id"); });
     const bool over = value("ActiveState") == "failed"
-                      || (value("ActiveState") == "inactive" && number("ExecMainCode") != 0);  // 0: not begun yet
+                      || (value("ActiveState") == "inactive" && number("ExecMainCode") != 0);  // 0: not started yet
     if (found == units_.end() || found->second.met || !over)
         return;
     constexpr int exited = 1;  // CLD_EXITED; otherwise the status is a signal
@@ -246,7 +246,7 @@ std::vector<std::string> SystemdEngine::names_not_met() const
     return names;
 }
 
-/// Their units are gone with them.
+/// Removes their units, too.
 std::vector<SwarmFailure> SystemdEngine::stop(const std::vector<std::string>& drones, Clock::time_point)
 {
     std::erase_if(waiting_,

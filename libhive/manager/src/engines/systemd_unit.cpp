@@ -1,4 +1,4 @@
-// Writing units: the quotes are those of systemd.syntax(7) and systemd.service(5).
+// Writes units, with the quoting of systemd.syntax(7) and systemd.service(5).
 #include "systemd_unit.hpp"
 
 #include <hive/error.hpp>
@@ -22,7 +22,7 @@ std::string escaped_byte(char c)
     return {'\\', 'x', digits[byte / 16], digits[byte % 16]};
 }
 
-/// One word as systemd reads it back. In a command line a $ would name a variable.
+/// Quotes one argument. In a command line, $ would start a variable.
 std::string word(const std::string& text, bool of_command)
 {
     std::string result = "\"";
@@ -46,7 +46,7 @@ std::string command_line(const DroneCommand& command)
     return line;
 }
 
-/// A drone that is told to stop ends with 0, as one that has come to its end: systemd cannot tell them apart.
+/// A stopped drone exits with 0, as one that has ended: systemd cannot distinguish the two.
 std::string restart_of(const SwarmDrone& drone)
 {
     switch (drone.restart) {

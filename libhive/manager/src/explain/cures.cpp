@@ -1,4 +1,4 @@
-// Asks few drones, and leaves a command as it is when one does not answer.
+// Queries few drones, and leaves a command unchanged if one does not answer.
 #include "cures.hpp"
 
 #include "../fitting_ports.hpp"
@@ -17,7 +17,7 @@ using What = Cause::What;
 constexpr std::size_t max_completed = 4;
 constexpr std::size_t max_described = 32;
 
-/// Where a drone gets its events from, or puts them.
+/// The parameters that name a drone's source or destination.
 constexpr std::array<const char*, 3> places{"source", "url", "file"};
 
 /// A peer may report an end without a port.
@@ -27,7 +27,7 @@ Endpoint endpoint(const std::string& end)
     return {drone, end.substr(std::min(end.size(), drone.size() + 1))};
 }
 
-/// Of the connection in which it lies.
+/// The connection of the cause.
 std::pair<Endpoint, Endpoint> ends_of(const Cause& cause)
 {
     const std::string arrow = " -> ";
@@ -35,7 +35,7 @@ std::pair<Endpoint, Endpoint> ends_of(const Cause& cause)
     return {endpoint(cause.connection.substr(0, at)), endpoint(cause.connection.substr(at + arrow.size()))};
 }
 
-/// The parameter that names its source, and its value; empty: it has none.
+/// The parameter that sets its source, and its value; empty: none.
 std::pair<std::string, std::string> source_of(Application& application, const std::string& drone)
 {
     const auto interface = application.describe(drone);
@@ -60,7 +60,7 @@ void name_source(Application& application, Cause& cause)
 
 using Fit = std::pair<const Port*, const Port*>;
 
-/// The ports of the pair that fits, if there is one pair.
+/// The ports of the matching pair, if there is exactly one.
 std::optional<std::pair<std::string, std::string>> fit(const Endpoint& sender, const Interface& from,
                                                        const Endpoint& receiver, const Interface& to)
 try {
@@ -74,7 +74,7 @@ bool receives_nothing(const StatusAnswer& answer) { return !answer.error && answ
 
 bool is_source(const StatusAnswer& answer) { return !answer.error && answer.status.inputs.empty(); }
 
-/// The first drone of the swarm that fits as the other end. @param sends  it is to be the sender
+/// The first drone of the swarm that matches as the other end. @param sends  it is to be the sender
 std::string other_end(Application& application, const std::string& drone, bool sends)
 {
     const auto own = application.describe(drone);
@@ -96,7 +96,7 @@ void name_sender(Application& application, Cause& cause)
         cause.command = "hivectl connect " + sender + " " + cause.drone;
 }
 
-/// hivectl itself receives what no drone takes.
+/// hivectl itself receives if no drone can.
 void name_receiver(Application& application, Cause& cause)
 {
     const auto receiver = other_end(application, cause.drone, false);
@@ -104,7 +104,7 @@ void name_receiver(Application& application, Cause& cause)
         receiver.empty() ? "hivectl results " + cause.drone : "hivectl connect " + cause.drone + " " + receiver;
 }
 
-/// Smaller bodies, where the output can make them.
+/// Smaller bodies, if the output can encode them.
 void shrink(Application& application, Cause& cause)
 {
     const auto [from, to] = ends_of(cause);
@@ -115,7 +115,7 @@ void shrink(Application& application, Cause& cause)
         cause.command = "hivectl connect " + to_text(from) + " " + to_text(to) + " --encoding jpeg:50";
 }
 
-/// A connection that its sender will always refuse has to go.
+/// A connection that its sender always refuses must be removed.
 void withdraw(Application& application, Cause& cause)
 {
     const auto [from, to] = ends_of(cause);
@@ -123,7 +123,7 @@ void withdraw(Application& application, Cause& cause)
         cause.command = "hivectl disconnect " + to_text(from) + " " + to_text(to);
 }
 
-/// The failure of which a crash or an exception is known, if its input is kept here.
+/// The failure of a crash or an exception, if its input is kept here.
 void name_failure(Application& application, Cause& cause)
 {
     constexpr std::int64_t second_us = 1'000'000;
@@ -161,7 +161,7 @@ try {
     default: return;
     }
 } catch (const Error&) {
-    // A drone that has just ended, or is busy: the command is right without what it would have named.
+    // The drone has just exited or is busy: the command is valid without the details.
 }
 
 Cause pair_cause(What what, const Endpoint& receiver, const std::string& text, const std::string& command)

@@ -1,4 +1,4 @@
-// What a drone itself reports, and what is known of one that does not answer.
+// Causes from a drone's own status, and from what is known of one that does not answer.
 #include "search.hpp"
 
 #include <hive/duration_text.hpp>
@@ -26,7 +26,7 @@ std::int64_t newest_emission_us(const Status& status)
     return newest;
 }
 
-/// What the code takes for one event; 0: not known yet.
+/// Processing time of one event; 0: not known yet.
 std::int64_t work_us(const Status& status)
 {
     const auto done = processed(status, &InputStatus::processed) + processed(status, &InputStatus::abandoned);
@@ -88,7 +88,7 @@ void Search::silent(const StatusAnswer& answer, const std::string& evidence)
 {
     const auto& error = *answer.error;
     const auto suspended = absent_.suspended.find(answer.drone);
-    if (error.code() == Errc::invalid_argument)  // several have this name, and another machine knows which is meant
+    if (error.code() == Errc::invalid_argument)  // several have this name, and another machine has the right one
         return;
     if (const auto starting = absent_.starting.find(answer.drone); starting != absent_.starting.end())
         add(What::starting, answer.drone, answer.drone + " is starting",
@@ -178,7 +178,7 @@ bool Search::stuck(const StatusAnswer& answer)
 {
     const auto& status = answer.status;
     constexpr std::int64_t noticeable_us = 5 * second_us;
-    constexpr int times = 5;  // as long as usual
+    constexpr int times = 5;  // the usual time
     const auto usual = work_us(status);
     if (status.busy_for_us < std::max(noticeable_us, times * usual) || moves(answer)
         || now_us(status) - newest_emission_us(status) < noticeable_us)
@@ -204,7 +204,7 @@ Cause& Search::slow(const StatusAnswer& answer, const std::string& evidence)
     return cause;
 }
 
-/// Of a drone that nothing holds up, and that reports nothing.
+/// For a drone that nothing blocks and that reports no cause.
 void Search::quiet(const StatusAnswer& answer, const std::string& port)
 {
     const auto& status = answer.status;
@@ -220,7 +220,7 @@ void Search::quiet(const StatusAnswer& answer, const std::string& port)
         const auto since = "nothing for " + duration_text(quiet_us(status, output)) + ", "
                            + std::to_string(output.produced) + " events before";
         if (output.why == Reason::source_ended && status.why == Reason::source_ended)
-            continue;  // the drone itself is named
+            continue;  // the drone itself is the cause
         if (output.why == Reason::source_ended)
             add(What::source_ended, answer.drone, end + " has come to its end", since,
                 "hivectl replace " + answer.drone);
@@ -241,7 +241,7 @@ void Search::quiet(const StatusAnswer& answer, const std::string& port)
 void Search::unreceived(const StatusAnswer& answer)
 {
     const auto& status = answer.status;
-    const auto received = [](const OutputStatus& output) {  // now, or by a drone that is gone
+    const auto received = [](const OutputStatus& output) {  // now, or earlier by a drone that is gone
         return output.name != "exceptions" && (output.why != Reason::no_receiver || !output.edges.empty());
     };
     if (!status.inputs.empty() || emitted(status) == 0 || std::ranges::any_of(status.outputs, received))

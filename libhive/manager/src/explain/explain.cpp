@@ -1,4 +1,4 @@
-// Looks twice, keeps the causes that both looks show, and makes their commands complete.
+// Queries twice, keeps the causes found both times, and completes their commands.
 #include "../inquiry.hpp"
 #include "cures.hpp"
 #include "machine_causes.hpp"
@@ -14,7 +14,7 @@ using namespace explaining;
 
 constexpr std::chrono::milliseconds interval(300);
 
-/// What concerns the question.
+/// Filters the causes that concern the question.
 using Walk = std::function<void(Search&)>;
 
 bool same(const Cause& one, const Cause& other)
@@ -22,7 +22,7 @@ bool same(const Cause& one, const Cause& other)
     return one.what == other.what && one.drone == other.drone && one.connection == other.connection;
 }
 
-/// What holds up events that exist comes before what keeps new ones from being made.
+/// Causes that block existing events come before those that prevent new ones.
 int rank(const Cause& cause)
 {
     using enum Cause::What;
@@ -52,7 +52,7 @@ Absent absent_in(Application& application, const Look& look)
     return absent;
 }
 
-/// The drones that answered, once more; the others as they were, so that nobody waits for them twice.
+/// Queries the drones that answered once more; the others stay as they were, so as not to wait for them twice.
 Look look_again(Application& application, const Look& before)
 {
     Look look = before;

@@ -1,4 +1,4 @@
-// What lies with a connection, rather than with one of the drones.
+// Causes in a connection, rather than in one of its drones.
 #include "search.hpp"
 
 #include <hive/duration_text.hpp>
@@ -57,7 +57,7 @@ void Search::slower(What what, const Link& link, const std::string& text, const 
     cause.blocks = false;
 }
 
-/// Of an input whose sender runs.
+/// For an input whose sender is running.
 void Search::unconnected(const StatusAnswer& answer, const InputStatus& input)
 {
     const auto end = answer.drone + "." + input.input, connection = input.from + " -> " + end;
@@ -72,7 +72,7 @@ void Search::unconnected(const StatusAnswer& answer, const InputStatus& input)
             .connection = connection;
 }
 
-/// Of a connection at which events are skipped because few are requested ahead.
+/// For a connection that skips events because too few are requested ahead.
 void Search::narrow(const StatusAnswer& answer, const InputStatus& input)
 {
     const auto link = link_at(answer, input);
@@ -88,7 +88,7 @@ void Search::narrow(const StatusAnswer& answer, const InputStatus& input)
            "hivectl connect " + link.from + " " + link.to + " --window " + std::to_string(*window));
 }
 
-/// Of a connection whose sender could emit more if it did not have to encode for it.
+/// For a connection whose sender could emit more without encoding for it.
 void Search::encoded(const StatusAnswer& answer, const InputStatus& input)
 {
     constexpr double all_the_time = 0.9;
@@ -109,7 +109,7 @@ void Search::encoded(const StatusAnswer& answer, const InputStatus& input)
                      : "hivectl connect " + link.from + " " + link.to + " --encoding jpeg");
 }
 
-/// Of a connection on one machine whose bodies go through the socket, although they are large.
+/// For a connection on one machine whose large bodies go through the socket.
 void Search::copied(const StatusAnswer& answer, const InputStatus& input)
 {
     const auto link = link_at(answer, input);

@@ -1,4 +1,4 @@
-// Asks in rounds: each answer names further drones.
+// Queries in rounds: each answer names further drones.
 #include "look.hpp"
 
 #include <hive/event/home.hpp>
@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t max_asked = 2000;
 
-/// The kind that its state file names, or its own name means.
+/// The kind in its state file, or by its name.
 std::optional<std::string> kind_of(const event::Home& home, const std::string& drone)
 try {
     const auto state = home.read_state(drone);
@@ -23,11 +23,11 @@ try {
     return kind_by_name(drone);  // a damaged file
 }
 
-/// The names that an answer leads to.
+/// The names of further drones in an answer.
 std::vector<std::string> next_to(const StatusAnswer& answer)
 {
     std::vector<std::string> names;
-    for (const auto& input : answer.status.inputs)  // none of a drone that did not answer
+    for (const auto& input : answer.status.inputs)  // empty for a drone that did not answer
         names.push_back(owner_of(input.from));
     for (const auto& output : answer.status.outputs)
         if (stalls(answer.status, output))

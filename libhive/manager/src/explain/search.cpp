@@ -1,4 +1,4 @@
-// The walk: from what was asked for against the direction of the events, and then to those for which it waits.
+// Walks upstream from the drones in question, and then to the receivers for which these wait.
 #include "../directory.hpp"
 #include "search.hpp"
 
@@ -12,7 +12,7 @@ namespace {
 
 constexpr auto exceptions = "exceptions";
 
-/// Is its port meant?
+/// Does it include this port?
 bool is_meant(const OutputStatus& output, const std::string& port)
 {
     return port.empty() ? output.name != exceptions : output.name == port;
@@ -146,7 +146,7 @@ void Search::waits(const StatusAnswer& answer, const OutputStatus& output)
             below(answer, output, *edge);
 }
 
-/// Why a receiver does not take what a sender has for it.
+/// Finds why a receiver does not accept waiting events.
 void Search::below(const StatusAnswer& sender, const OutputStatus& output, const EdgeStatus& edge)
 {
     const auto* answer = look_.find(owner_of(edge.receiver));
@@ -180,7 +180,7 @@ void Search::missing_receiver(const StatusAnswer& sender, const Wait& wait)
             wait.text(), "hivectl disconnect " + wait.end + " " + wait.edge.receiver);
 }
 
-/// Of a receiver that runs, and reports nothing.
+/// For a running receiver that reports no cause.
 void Search::receiver(const StatusAnswer& answer, const Wait& wait)
 {
     auto& cause = receiver_cause(answer, wait);

@@ -1,4 +1,4 @@
-// Causes as words of JSON, and as one line.
+// Writes causes as JSON and as one line.
 #include <hive/explain.hpp>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Turns what drones report into samples, one drone after the other, each from one answer.
+// Converts statuses into samples, one drone after the other, each from one answer.
 #include "families.hpp"
 
 #include <hive/stall.hpp>
@@ -73,7 +73,7 @@ void add_edge(Book& book, const std::string& from, const EdgeStatus& edge, std::
     book.add(fallback, labels, count(edge.fallback), created);
 }
 
-/// An application has an account only as long as it receives, and another name each time: it is counted, not listed.
+/// Applications have counters only while they receive, and a new name each time: they are counted, not listed.
 bool is_application(const EdgeStatus& edge) { return !edge.group && edge.receiver.find('.') == std::string::npos; }
 
 void add_output(Book& book, const std::string& drone, const Status& status, const OutputStatus& output)

@@ -1,4 +1,4 @@
-// Writes families in the two text forms, which differ in suffixes, units, start times and the end, and as JSON.
+// Writes families in the two text formats, which differ in suffixes, units, start times and the end, and as JSON.
 #include <hive/metrics.hpp>
 
 #include <array>

@@ -1,4 +1,4 @@
-// Each step by the call of the application that it stands for.
+// Executes each step by a call of the application.
 #include "changes.hpp"
 
 namespace hive::swarm {
@@ -19,7 +19,7 @@ void Changes::make(const SwarmStep& step)
     made_.push_back(step);
 }
 
-/// The fields of an order that a running drone changes on request.
+/// The fields of an order that a running drone can change.
 void Changes::change(const std::string& drone, const Json& fields)
 {
     for (const auto& [name, value] : fields.items())

@@ -1,4 +1,4 @@
-// A lock file as those of drones, NAME.swarm.lock; whoever waits for it holds NAME.swarm.next.
+// Uses a lock file as those of drones, NAME.swarm.lock; a waiting process holds NAME.swarm.next.
 #include "claim.hpp"
 
 #include "../inquiry.hpp"
@@ -32,7 +32,7 @@ Claim claim(Application& application, const std::string& swarm, std::chrono::mil
     const event::Home directory(application.home());
     const auto begin = event::Clock::now(), end = begin + std::max<std::chrono::milliseconds>(patience, 1s);
     Claim waiting;
-    // A lock tells nobody when it is freed.
+    // A file lock does not signal its release, so it is polled.
     for (bool told = !watch.told;; Inquiry(application).wait(event::Clock::now() + 10ms, {})) {
         if (auto claim = claim_unless_taken(directory, swarm, event::NameClaim::To::name))
             return claim;

@@ -14,7 +14,7 @@ bool may_change(const SwarmPlan& plan, const SwarmDrone& drone, const StatusAnsw
     return drone.change_if_shared || owns(plan, running);
 }
 
-/// Compares the drones that run with what they are to run with.
+/// Compares the running drones with the plan.
 class RunningDrones {
 public:
     RunningDrones(Application& application, const SwarmPlan& plan, const SwarmPlan& before, const Present& present)
@@ -22,13 +22,13 @@ public:
     {
     }
 
-    /// @return  the changes that are not made, since they are of drones of another swarm
+    /// @return  the changes that are not made because the drones belong to another swarm
     std::vector<SwarmStep> add_to(Differences& all);
 
 private:
     struct Running {
         const SwarmDrone* planned;
-        const SwarmDrone* before;  ///< null: it was not brought up, or by another swarm
+        const SwarmDrone* before;  ///< null: not brought up, or by another swarm
         const StatusAnswer* answer;
         DroneOrder now{}, wanted{};
         bool shared = false, restart = false, other_kind = false;
@@ -48,7 +48,7 @@ private:
     Interface interface_;
 };
 
-/// A drone that the plan before had otherwise is changed; any other is somebody else's.
+/// A drone may differ in kind or machine only if the earlier plan had it so; any other belongs to another swarm.
 RunningDrones::Running RunningDrones::compared(const SwarmDrone& planned, const StatusAnswer& answer)
 {
     const bool shared = !may_change(plan_, planned, answer);
@@ -74,12 +74,12 @@ RunningDrones::Running RunningDrones::compared(const SwarmDrone& planned, const 
     for (const auto& field : order_fields())
         if (field.is_said(planned) || (drone.before && field.is_said(*drone.before))
             || runs_as_wanted(field, planned, drone.now,
-                              answer.place))  // a port that it chose is not for another machine
+                              answer.place))  // a port chosen on one machine does not apply to another
             field.copy(drone.wanted, planned);
     return drone;
 }
 
-/// One step for all fields: a new process has them, or requests change them.
+/// One step for all fields: a restart or a change.
 SwarmStep RunningDrones::fields_of(Running& drone) const
 {
     SwarmStep step{.what = SwarmStep::What::change, .drone = drone.planned->name};
@@ -101,8 +101,9 @@ SwarmStep RunningDrones::fields_of(Running& drone) const
     return step;
 }
 
-/// The planned values that were not asked of the drone last, and what was; the default of those that the plan before
-/// had. What a drone then made of a value, for example by rounding, another `set` would not change.
+/// The planned values that differ from those last requested, with the old ones; the default for parameters that only
+/// the earlier plan had. Compares requested values, since another `set` would not change how a drone adjusts a value,
+/// for example by rounding.
 SwarmStep RunningDrones::parameters_of(const Running& drone, const Json& present)
 {
     SwarmStep step{.what = SwarmStep::What::set, .drone = drone.planned->name};
@@ -133,7 +134,7 @@ const ParameterInfo* RunningDrones::parameter(const std::string& drone, const st
     return interface_.parameter(name);
 }
 
-/// What was set by hand stays, unless it is of another kind of drone.
+/// Values set by hand stay, unless the kind of the drone changes.
 void RunningDrones::add_restart(Running& drone, const Json& present, Differences& all)
 {
     const auto& name = drone.planned->name;
@@ -215,7 +216,7 @@ void add_connections(std::vector<SwarmStep>& steps, const SwarmPlan& plan, const
     }
 }
 
-/// A connection that a restart ends for good is not ended once more.
+/// A connection that a restart has already ended for good is not disconnected again.
 void add_ends(Differences& all, const SwarmPlan& plan, const SwarmPlan& before, const Present& present)
 {
     const auto ends_anyway = [&](const SwarmConnection& old) {
@@ -238,7 +239,7 @@ void add_ends(Differences& all, const SwarmPlan& plan, const SwarmPlan& before, 
             all.steps.push_back({.what = SwarmStep::What::stop, .drone = old.name});
 }
 
-/// Says which drones of others are used, and what is not changed in them.
+/// Reports which drones of other swarms are used, and what is left unchanged in them.
 void tell_shared(const std::vector<SwarmStep>& left, const SwarmPlan& plan, const Present& present,
                  const std::function<void(const std::string& text)>& told)
 {

@@ -1,4 +1,4 @@
-// Looks at the connections and the counts of each drone.
+// Inspects the connections and counters of each drone.
 #include "draining.hpp"
 
 #include <algorithm>
@@ -7,7 +7,7 @@
 namespace hive::swarm {
 namespace {
 
-/// Those of some drones that receive from another one of these, by name.
+/// The drones that receive from another one of these, by name.
 std::set<std::string> receivers_among(const std::vector<StatusAnswer>& drones)
 {
     std::set<std::string> running, receivers;

@@ -1,4 +1,4 @@
-// Halts the sources, then looks again and again which drones are drained.
+// Halts the sources, then polls for drained drones.
 #include "ending.hpp"
 
 #include "../directory.hpp"
@@ -19,7 +19,7 @@ using namespace std::chrono_literals;
 
 namespace {
 
-constexpr auto patience_of_engines = 2s;  ///< beyond the time that drones have to end
+constexpr auto patience_of_engines = 2s;  ///< in addition to the drones' time to exit
 
 std::vector<std::string> without(const std::vector<StatusAnswer>& all, const std::vector<std::string>& some)
 {
@@ -42,7 +42,7 @@ SwarmOutcome Ending::run(std::chrono::milliseconds patience, const SwarmWatch& w
         try {
             application_.halt(source);
         } catch (const Error&) {
-            // It is ended all the same.
+            // Stop it anyway.
         }
     for (; !left.empty(); left = ask(watch)) {
         const bool late = event::Clock::now() >= end || (watch.cancelled && watch.cancelled());
@@ -64,7 +64,7 @@ SwarmOutcome Ending::run(std::chrono::milliseconds patience, const SwarmWatch& w
     return std::move(outcome_);
 }
 
-/// What they were told is for drones that come back.
+/// Saved state is only for drones that restart.
 void Ending::forget_crashed()
 {
     auto names = application_.remembered();
@@ -74,7 +74,7 @@ void Ending::forget_crashed()
     application_.stop(names, plan_.name);
 }
 
-/// Those that run, but for those of other swarms. What has failed to end is not asked again.
+/// The running drones, except those of other swarms and those that failed to stop.
 std::vector<StatusAnswer> Ending::ask(const SwarmWatch& watch)
 {
     std::vector<std::string> names;
@@ -114,7 +114,8 @@ void Ending::stop(const std::vector<std::string>& drones, event::Clock::time_poi
         stop_silent(silent, end);
 }
 
-/// What does not answer from another machine may be gone, hang, or be cut off. Its engine can tell, and end it.
+/// A drone of another machine that does not answer may be gone, hang, or be disconnected. Its engine can find out and
+/// stop it.
 void Ending::stop_silent(const std::vector<Answer>& silent, event::Clock::time_point end)
 {
     std::map<std::string, std::unique_ptr<Engine>> engines;
@@ -143,7 +144,7 @@ bool Ending::is_elsewhere(const std::string& drone) const
 try {
     return !is_here(application_.place(drone)) && plan_.drone(drone)->host != Place::here;
 } catch (const Error&) {
-    return false;  // none of that name is known any more
+    return false;  // the name is no longer known
 }
 
 void Ending::ended(const std::string& drone)

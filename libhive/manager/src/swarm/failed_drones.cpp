@@ -1,4 +1,4 @@
-// One small file for each.
+// Keeps one small file per drone.
 #include "failed_drones.hpp"
 
 #include <hive/event/home.hpp>
@@ -45,7 +45,7 @@ std::vector<FailedDrone> FailedDrones::all() const
                 const Fields fields(object, "a failed drone");
                 found.push_back({entry.path().stem().string(), fields.text("reason"), fields.text_or("log", "")});
             } catch (const Error&) {
-                // Somebody is writing it, or has changed it by hand.
+                // It is being written, or was edited by hand.
             }
     std::ranges::sort(found, {}, &FailedDrone::drone);
     return found;

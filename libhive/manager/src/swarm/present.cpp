@@ -1,4 +1,4 @@
-// What drones say of themselves, beside what a plan says of them.
+// Compares the statuses of drones with a plan.
 #include "present.hpp"
 
 #include "../directory.hpp"
@@ -26,7 +26,7 @@ bool meets(const Endpoint& one, const Endpoint& other)
 
 }  // namespace
 
-/// A drone has its name a moment before it can be met.
+/// A drone has its name shortly before it is reachable.
 Present::Present(Application& application, const std::vector<std::string>& drones)
 {
     constexpr auto patience_for_sockets = std::chrono::seconds(5);
@@ -58,7 +58,7 @@ const InputStatus* Present::connection(const SwarmConnection& connection) const
     if (!receiver || !find(connection.from.drone))
         return nullptr;
     for (const auto& input : receiver->status.inputs) {
-        const auto dot = input.from.rfind('.');  // a drone's name may have one, too
+        const auto dot = input.from.rfind('.');  // a drone's name may have a dot, too
         if (fits(connection.to, connection.to.drone, input.input)
             && fits(connection.from, input.from.substr(0, dot), input.from.substr(dot + 1)))
             return &input;

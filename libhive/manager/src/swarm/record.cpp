@@ -1,4 +1,4 @@
-// Reads and writes the remembered plans of a home.
+// Reads and writes the recorded plans of a home.
 #include "record.hpp"
 
 #include "present.hpp"
@@ -33,7 +33,7 @@ SwarmPlan read_plan(const fs::path& file)
     return std::move(reading.plan);
 }
 
-/// One for a machine that has no drone of the plan is a mistake in a swarm file.
+/// In a swarm file, an engine for a machine without drones is an error, so it is dropped.
 void drop_unused_engines(SwarmPlan& plan)
 {
     std::erase_if(plan.engines, [&](const auto& engine) {
@@ -77,8 +77,8 @@ std::vector<SwarmPlan> Record::all(const fs::path& home)
     return plans;
 }
 
-/// While a drone is being changed, its kind and machine may still be those of before, and both say what has to be taken
-/// back when a file does not say it any more.
+/// While a drone is being changed, it may still have its old kind and machine, and both plans matter for what a later
+/// file must revert.
 SwarmDrone as_either_says(SwarmDrone drone, const SwarmDrone& before)
 {
     drone.host = before.host;

@@ -1,4 +1,4 @@
-// All are stopped, then all are started.
+// Stops all drones, then starts all.
 #include "restarting.hpp"
 
 #include <algorithm>

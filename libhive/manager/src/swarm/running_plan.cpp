@@ -1,4 +1,4 @@
-// Asks every drone for its interface, its values and its connections.
+// Queries every drone's interface, values and connections.
 #include "running_plan.hpp"
 
 #include "../directory.hpp"
@@ -12,7 +12,7 @@
 namespace hive::swarm {
 namespace {
 
-/// The file's own words where they are what runs, and what only the file knows.
+/// Keeps the file's own text where it matches the running drone, and what only the file has.
 void add_remembered(SwarmDrone& drone, const SwarmDrone& before, const Place& place)
 {
     drone.host = before.host;

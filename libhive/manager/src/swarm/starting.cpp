@@ -1,4 +1,4 @@
-// One loop hears the engines and asks the drones.
+// One loop polls the engines and queries the drones.
 #include "starting.hpp"
 
 #include "../directory.hpp"
@@ -16,7 +16,7 @@ using namespace std::chrono_literals;
 
 namespace {
 
-/// A lock that is free, or a name that is taken, tells nobody: it has to be looked at.
+/// A released lock or a taken name is not signalled, so it is polled.
 constexpr auto look_every = 10ms;
 constexpr auto patience_for_answer = 2s;
 
@@ -129,7 +129,7 @@ void Starting::hear_engines()
                 }
                 placed_.insert(report.drone);
             } else if (report.error->code() == Errc::name_taken) {
-                placed_.insert(report.drone);  // an earlier hivectl that was killed had begun it
+                placed_.insert(report.drone);  // an earlier, killed hivectl had started it
             } else {
                 failed(report.drone, *report.error);
             }
@@ -152,7 +152,7 @@ void Starting::hear(const StatusAnswer& answer, const SwarmWatch& watch)
 {
     const auto& drone = *plan_.drone(answer.drone);
     if (answer.error && answer.error->code() == Errc::not_permitted)
-        throw engine_of(drone).explained(*answer.error);  // another key does not become this one
+        throw engine_of(drone).explained(*answer.error);  // a wrong key does not become right by waiting
     if (answer.error) {
         last_errors_.insert_or_assign(drone.name, *answer.error);
         return engine_of(drone).look_again(drone.name, *answer.error);
@@ -160,7 +160,7 @@ void Starting::hear(const StatusAnswer& answer, const SwarmWatch& watch)
     last_errors_.erase(drone.name);
     if (answer.status.state == State::starting)
         return;
-    require_same(plan_, drone, answer);  // another may have been faster
+    require_same(plan_, drone, answer);  // another process may have been faster
     if (watch.told && !owns(plan_, answer))
         watch.told(drone.name + " runs already, " + owner_text(answer) + ", and is used as it is");
     placed_.erase(drone.name);
@@ -171,7 +171,7 @@ void Starting::failed(std::string drone, const Error& error)
 {
     placed_.erase(drone);
     if (waiting_.erase(drone) == 0)
-        return;  // it is ready, or has failed before
+        return;  // already ready or failed
     failures_.push_back({std::move(drone), error});
 }
 

@@ -1,4 +1,4 @@
-// What crashed is known by what it left: a state in the home, or a place in the list.
+// Detects a crashed drone by what it left: a state in the home, or a place in the list.
 #include "staying.hpp"
 
 #include "../directory.hpp"
@@ -21,8 +21,8 @@ using namespace std::chrono_literals;
 namespace {
 
 constexpr auto first_pause = 100ms, longest_pause = 30'000ms;
-constexpr auto steady_after = 60s;  ///< a drone that has run for so long does not crash again and again
-constexpr int crashes_shown = 6;    ///< from so many on, ps shows it as failed while it does not run
+constexpr auto steady_after = 60s;  ///< uptime after which its crashes no longer count as repeated
+constexpr int crashes_shown = 6;    ///< number of crashes from which ps shows it as failed while it is not running
 constexpr auto start_limit = 60s;
 constexpr auto answer_limit = 5s;
 constexpr auto hangs_after = 10s;  ///< without an answer
@@ -62,7 +62,7 @@ void Staying::adopt(SwarmPlan plan)
     std::erase_if(cares_, [&](const auto& entry) { return !entry.second.starting && !is_up(entry.first); });
 }
 
-/// A swarm that was taken down has no record. What is known of its drones holds until it is brought up again.
+/// A swarm that was taken down has no record. The data about its drones stays valid until it is brought up again.
 void Staying::read_record()
 {
     auto text = record_.text();
@@ -75,7 +75,7 @@ void Staying::read_record()
     recorded_ = std::move(text);
 }
 
-/// Not when it was taken down, nor when a `down` could not end it.
+/// False if it was taken down, or if `down` could not stop it.
 bool Staying::is_up(const std::string& drone) const
 {
     const auto* const found = is_up_ ? plan_->drone(drone) : nullptr;
@@ -99,7 +99,7 @@ try {
     tell_trouble(error.what());
 }
 
-/// What is being started is looked after there.
+/// Drones being started are handled by follow_starts().
 void Staying::wait()
 {
     std::vector<std::string> names;
@@ -139,7 +139,7 @@ void Staying::hear(const StatusAnswer& answer, const std::vector<std::string>& r
     }
 }
 
-/// What hangs on this machine is killed, so that it crashes.
+/// Kills a drone that hangs on this machine, which then counts as crashed.
 void Staying::hear_silence(const StatusAnswer& answer, Care& care)
 {
     const auto now = Clock::now();
@@ -154,8 +154,8 @@ void Staying::hear_silence(const StatusAnswer& answer, Care& care)
     care.silent_since.reset();
 }
 
-/// Whoever was stopped by a command has left nothing, and is to stay so unless the file says `always`. Here a drone has
-/// its name until it has ended. Elsewhere whoever ends it forgets its place, but only when it is gone.
+/// A drone stopped by a command has no saved state, and stays down unless the file says `always`. On this machine a
+/// drone has its name until it has exited. Elsewhere a stop removes its place, but only after it has exited.
 bool Staying::has_crashed(const StatusAnswer& answer, Care& care, const std::vector<std::string>& remembered) const
 {
     const auto now = Clock::now();
@@ -207,7 +207,7 @@ void Staying::follow_starts()
         give_way();
 }
 
-/// What is not ready is ended, so that whoever changes the swarm next meets none that comes up behind its back.
+/// Stops drones that are not ready, so that none becomes ready while the next process changes the swarm.
 void Staying::give_way()
 {
     for (auto& [drone, care] : cares_)
@@ -221,7 +221,7 @@ void Staying::give_way()
     claim_.reset();
 }
 
-/// With the claim: whoever had it until now may have started or ended what seemed to have crashed.
+/// With the claim: its previous owner may have started or stopped drones that seemed to have crashed.
 void Staying::start_due()
 {
     const auto now = Clock::now();
@@ -246,7 +246,7 @@ void Staying::start_due()
         }
         care.restart_at.reset();
         if (event::Home(application_.home()).alive(drone))
-            continue;  // another was faster
+            continue;  // another process was faster
         care.begun = true;
         auto starting = std::make_unique<Starting>(application_, *plan_);
         starting->begin({drone}, start_limit);
@@ -255,7 +255,7 @@ void Staying::start_due()
     }
 }
 
-/// With the claim, unless somebody waits for that: the rest has its turn later.
+/// With the claim, unless another process waits for it: the rest is restarted later.
 void Staying::settle()
 {
     const auto own = claim_ ? nullptr : claim_if_free(application_.home(), plan_->name);

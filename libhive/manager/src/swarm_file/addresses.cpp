@@ -1,4 +1,4 @@
-// Reading where the drones of a swarm file listen, and whom they let in there.
+// Reads the listening addresses and keys of the drones of a swarm file.
 #include "reader.hpp"
 
 #include <hive/key.hpp>
@@ -10,11 +10,11 @@ namespace {
 
 std::string everywhere(const std::string& host) { return host == "0.0.0.0" || host == "::" ? "" : host; }
 
-/// Do two that listen at one port of a machine meet there?
+/// Do two listeners at one port of a machine conflict?
 bool overlap(const std::string& a, const std::string& b) { return a == b || a.empty() || b.empty(); }
 
-/// What is wrong with the key that a drone of this machine would have.
-/// @param told  its file; empty: the usual one
+/// The error in the key that a drone of this machine would use.
+/// @param told  its file; empty: the default
 std::optional<Error> problem_of_key(const std::string& told)
 try {
     if (told.empty())

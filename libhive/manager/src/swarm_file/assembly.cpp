@@ -1,4 +1,4 @@
-// Each file is parsed with its comments blanked out, so that places stay; then the trees are merged.
+// Parses each file with its comments blanked out, which keeps positions; then merges the trees.
 #include "assembly.hpp"
 
 #include "words.hpp"
@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 constexpr JsonLimits limits{.bytes = 16 << 20, .depth = 16, .keys = 20'000, .values = 1 << 20};
 constexpr std::size_t most_files = 64;
 
-/// With blanks where comments are.
+/// Replaces comments with blanks.
 std::string without_comments(std::string text)
 {
     bool in_quotes = false;
@@ -32,7 +32,7 @@ std::string without_comments(std::string text)
     return text;
 }
 
-/// What people write who take JSON for something else.
+/// Explains common errors, such as comments of other languages.
 std::pair<std::string, std::string> syntax_mistake(std::string_view text, const JsonMistake& mistake)
 {
     const auto rest = text.substr(mistake.at());
@@ -64,8 +64,8 @@ JsonPlace* place_of(JsonPlace& object, std::string_view name)
     return found == object.members.end() ? nullptr : &found->second;
 }
 
-/// Adds what only the second object has.
-/// @param depth  so far down are objects that both have merged, too
+/// Adds the members that only the second object has.
+/// @param depth  depth to which common objects are merged
 void add_missing(Json& json, JsonPlace& place, const Json& more, const JsonPlace& more_place, int depth)
 {
     for (const auto& [key, from] : more_place.members)
@@ -77,7 +77,7 @@ void add_missing(Json& json, JsonPlace& place, const Json& more, const JsonPlace
         }
 }
 
-/// A value on a command line: a number or a flag, unless the variable is a text.
+/// Parses a value of a command line: a number or a flag, unless the variable is a text.
 Json given_value(const std::string& text, const Json& usual)
 {
     if (usual.is_string())
@@ -110,7 +110,7 @@ public:
     }
 
 private:
-    /// With all that it includes.
+    /// Loads a file with all its includes.
     std::optional<PlacedJson> read(std::string text, const std::string& name, const std::optional<fs::path>& folder)
     {
         const auto begin = texts_.add(name, text);
@@ -171,7 +171,7 @@ private:
         return file && file->value.is_object() ? std::move(file) : std::nullopt;
     }
 
-    /// What the including file says holds.
+    /// The including file takes precedence.
     void add(PlacedJson& file, const PlacedJson& included)
     {
         for (const auto& [key, place] : included.place.members) {
@@ -238,7 +238,7 @@ private:
             resolve(json.at(i), place.items[i], path + "[" + std::to_string(i) + "]");
     }
 
-    /// A text that is a variable and nothing else has its value, also if that is a number.
+    /// A text that is only a variable becomes its value, even a number.
     Json resolved(const std::string& text, const Value& where)
     {
         std::string result;
@@ -264,7 +264,7 @@ private:
         return result;
     }
 
-    /// Of one that is not known, its own text.
+    /// An unknown variable keeps its own text.
     Json value_of(const std::string& name, const Value& where)
     {
         const auto found = variables_.find(name);
@@ -285,7 +285,7 @@ private:
 
     // --- defaults ---
 
-    /// @param own  bytes of the file itself: files that many include may have defaults that not all of them need
+    /// @param own  bytes of the file itself: an included file may have defaults that not every including file needs
     void apply_defaults(PlacedJson& file, std::size_t own)
     {
         const Value root{&file.value, &file.place, ""};

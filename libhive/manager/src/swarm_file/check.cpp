@@ -1,4 +1,4 @@
-// Checking a swarm file with the interfaces of the programs that are on this machine.
+// Checks a swarm file with the interfaces of the programs on this machine.
 #include <hive/program.hpp>
 #include <hive/swarm_plan.hpp>
 
@@ -14,7 +14,7 @@ namespace {
 using Told = std::variant<std::monostate, Interface, Error>;
 using KindsTold = std::map<std::string, Told>;
 
-/// After so many unknown kinds an error does not list those that there are: that reads all directories each time.
+/// After this many unknown kinds, errors no longer list the available ones: each list reads all directories.
 constexpr int most_explained = 50;
 
 Interface ask(const std::string& kind, std::chrono::milliseconds limit, std::atomic<int>& unknown)
@@ -29,7 +29,7 @@ Interface ask(const std::string& kind, std::chrono::milliseconds limit, std::ato
     }
 }
 
-/// Asks the programs of the kinds, a few at a time.
+/// Queries the programs of the kinds, a few at a time.
 void ask_programs(KindsTold& kinds, std::chrono::milliseconds limit)
 {
     constexpr std::size_t at_once = 8;
@@ -53,7 +53,7 @@ void ask_programs(KindsTold& kinds, std::chrono::milliseconds limit)
         askers.emplace_back(ask_next);
 }  // waits for them
 
-/// The kinds whose interface reading the file asks for, also those of drones that it then drops.
+/// The kinds whose interfaces the reader needs, including those of drones that it later drops.
 KindsTold kinds_asked_for(std::string_view text, const SwarmContext& context)
 {
     KindsTold kinds;

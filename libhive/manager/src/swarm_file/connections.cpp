@@ -1,4 +1,4 @@
-// Reading the connections of a swarm file.
+// Reads the connections of a swarm file.
 #include "../fitting_ports.hpp"
 #include "reader.hpp"
 #include "words.hpp"
@@ -11,7 +11,7 @@
 namespace hive::swarm_file {
 namespace {
 
-constexpr std::size_t most_connections = 100'000;  // globs on both sides make many
+constexpr std::size_t most_connections = 100'000;  // globs on both sides multiply
 
 }  // namespace
 
@@ -95,7 +95,7 @@ std::vector<Endpoint> Reader::ends_of(const std::string& text, const Value& valu
     return {};
 }
 
-/// The part behind the last dot may be a port or belong to the name; what fits a drone as a whole wins.
+/// The part after the last dot may be a port or belong to the name; a match of a whole drone name wins.
 std::vector<Endpoint> Reader::ends_like(const std::string& glob, const Value& value)
 {
     const auto all_like = [&](std::string_view pattern, const std::string& port) {
@@ -146,7 +146,7 @@ bool Reader::add_connection(SwarmConnection connection, const Value& to)
     return mistakes_.count() == before;
 }
 
-/// Fills in the ports, as far as the interfaces of both are known. Throws what Application::connect would.
+/// Fills in the ports, as far as the interfaces of both are known. Throws as Application::connect.
 void Reader::check_ports(SwarmConnection& connection)
 {
     const auto interface_of_drone = [&](const std::string& drone) {

@@ -1,4 +1,4 @@
-// Reading the drones of a swarm file.
+// Reads the drones of a swarm file.
 #include "reader.hpp"
 #include "words.hpp"
 
@@ -11,7 +11,7 @@ namespace hive::swarm_file {
 
 bool is_machine(std::string_view text) noexcept
 {
-    const auto host = text.substr(text.rfind('@') + 1);  // a folder may be called so
+    const auto host = text.substr(text.rfind('@') + 1);  // the host becomes the name of a folder
     return !text.empty() && text.size() <= 255 && text.front() != '-' && !host.empty() && !host.starts_with('.')
            && std::ranges::all_of(text, [](unsigned char c) { return c > ' ' && c < 0x7F; })
            && text.find_first_of("'\"`$;&|<>()\\/*?") == std::string_view::npos;
@@ -163,7 +163,7 @@ void Reader::expand(const Entry& entry)
                              "the other one comes from " + same->second);
             continue;
         }
-        own_ports = own_ports && has_own_port(drone, entry);  // once is enough
+        own_ports = own_ports && has_own_port(drone, entry);  // report it once
         places_[drone.name] = plan_.drones.size();
         plan_.drones.push_back(std::move(drone));
     }

@@ -1,4 +1,4 @@
-// Reading the engines of a swarm file.
+// Reads the engines of a swarm file.
 #include "../engines/systemd_unit.hpp"
 #include "reader.hpp"
 #include "words.hpp"
@@ -39,7 +39,7 @@ void Reader::read_engine(const std::string& glob, const Value& value)
     }
 }
 
-/// The first engine that fits a machine counts.
+/// The first engine that matches a machine is used.
 void Reader::check_not_shadowed(const std::string& glob, const Value& value)
 {
     const auto has_engine = [&](const SwarmDrone& drone) {
@@ -71,7 +71,7 @@ void Reader::read_slurm(const Value& value)
         read_slurm_option(options->item(i));
 }
 
-/// What stands in a line of a batch script.
+/// An option must fit on a line of a batch script.
 void Reader::read_directive(const Value& value)
 {
     const auto text = text_of(mistakes_, value);

@@ -1,4 +1,4 @@
-// Looking things up in a plan.
+// Lookups in a plan.
 #include <hive/name.hpp>
 #include <hive/swarm_plan.hpp>
 

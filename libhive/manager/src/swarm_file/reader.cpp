@@ -1,4 +1,4 @@
-// Reading a swarm file from top to bottom.
+// Reads a swarm file from top to bottom.
 #include "assembly.hpp"
 #include "reader.hpp"
 #include "words.hpp"

@@ -1,4 +1,4 @@
-// Writing a swarm file: a line for each drone, each connection and each engine; what is as usual is left out.
+// Writes a swarm file: a line per drone, connection and engine, without default values.
 #include "assembly.hpp"
 #include "words.hpp"
 
@@ -25,7 +25,7 @@ std::string spaced(const Json& value)
     return value.is_array() ? "[" + text + "]" : "{" + text + "}";
 }
 
-/// An object whose members stand in the order in which they are added.
+/// An object that keeps its members in the order of insertion.
 class OneLine {
 public:
     OneLine& add(std::string_view key, const Json& value)
@@ -65,7 +65,7 @@ std::string text_of_connection(const SwarmConnection& connection, const Json& to
     return line.text();
 }
 
-/// Those that follow each other and differ in the receiver alone are written as one.
+/// Consecutive connections that differ only in the receiver are written as one.
 std::vector<std::string> texts_of_connections(const std::vector<SwarmConnection>& connections)
 {
     std::vector<std::string> lines;
@@ -81,7 +81,7 @@ std::vector<std::string> texts_of_connections(const std::vector<SwarmConnection>
     return lines;
 }
 
-/// The lines between two brackets; a section without any is left out.
+/// The lines between two brackets; an empty section is omitted.
 std::string section(std::string_view name, std::string_view brackets, const std::vector<std::string>& lines)
 {
     if (lines.empty())

@@ -1,4 +1,4 @@
-// Reading values with their places.
+// Reads values with their positions.
 #include "values.hpp"
 
 #include <hive/name.hpp>
@@ -48,7 +48,7 @@ Texts::Spot Texts::at(std::size_t byte) const
     return {text.file, line, column};
 }
 
-/// What stands once in the defaults of a kind would be told of each drone of that kind.
+/// An error in the defaults of a kind would be reported for each drone of that kind.
 void Mistakes::at_byte(std::size_t byte, const std::string& path, const std::string& text, const std::string& advice)
 {
     const auto [first, last] = found_.equal_range(byte);

@@ -1,4 +1,4 @@
-// Choosing ports, and putting words together.
+// Chooses ports, and assembles arguments.
 #include "command_lines.hpp"
 
 #include "../engines/engine.hpp"
@@ -62,7 +62,8 @@ std::string CommandLines::machine(const SwarmDrone& drone) const
     return machines_ == Machines::one_each ? drone.name : drone.host;
 }
 
-/// Ports that the plan names stay; others get the next free one of their machine, since their receivers must know it.
+/// Ports of the plan are kept; other drones get the next free port of their machine, since their receivers must know
+/// it.
 void CommandLines::choose_ports(const SwarmPlan& plan)
 {
     std::map<std::string, std::set<std::uint16_t>> taken;
@@ -144,7 +145,7 @@ std::vector<std::string> CommandLines::metrics() const
         throw Error(Errc::invalid_argument,
                     std::string("a drone is called ") + metrics_name + ", as the container of the metrics",
                     "give it another name");
-    // Scrapers of containers know no token; the network is that of the containers.
+    // Scrapers of containers have no token; the network is private to the containers.
     std::vector<std::string> words{"hivectl", "metrics", "--http", "0.0.0.0:" + std::to_string(metrics_port),
                                    "--insecure"};
     for (const auto& drone : plan_.drones)

@@ -8,7 +8,7 @@
 namespace hive {
 namespace {
 
-/// A '$' begins a variable of compose.
+/// In compose, '$' starts a variable.
 std::string compose_word(const std::string& word)
 {
     std::string text;

@@ -1,4 +1,4 @@
-// Kubernetes: for each drone a workload and a Service by whose name the others find it; the key is a Secret.
+// Writes for each drone a workload and a Service, by whose name others reach it; the key is a Secret.
 #include "command_lines.hpp"
 #include "writer.hpp"
 #include "yaml.hpp"
@@ -9,7 +9,7 @@
 namespace hive {
 namespace {
 
-/// Names there are of lower-case letters, digits and hyphens.
+/// Kubernetes names have lower-case letters, digits and hyphens.
 std::string label_of(const std::string& name)
 {
     std::string label;
@@ -20,7 +20,7 @@ std::string label_of(const std::string& name)
     return label;
 }
 
-/// The plan with names that Kubernetes takes; the drones, too, have these there.
+/// The plan with names valid in Kubernetes; the drones get these names too.
 SwarmPlan relabelled(SwarmPlan plan)
 {
     std::set<std::string> labels;
@@ -62,7 +62,7 @@ OrderedJson container(const std::vector<std::string>& words, int port, bool key,
     for (const auto& word : words) {
         std::string text;
         for (const char c : word)
-            text += c == '$' ? "$$" : std::string(1, c);  // $(NAME) is a variable there
+            text += c == '$' ? "$$" : std::string(1, c);  // $(NAME) is a variable in Kubernetes
         result["command"].push_back(text);
     }
     result["ports"] = {{{"name", "hive"}, {"containerPort", port}}};
@@ -96,7 +96,7 @@ OrderedJson pod(const SwarmPlan& plan, const SwarmDrone& drone, OrderedJson one)
     return {{"metadata", {{"labels", labels_of(plan, drone)}}}, {"spec", std::move(spec)}};
 }
 
-/// What starts its pod again always is a Deployment; what may end is a Job.
+/// A drone with `restart: always` becomes a Deployment, any other a Job.
 OrderedJson workload(const SwarmPlan& plan, const SwarmDrone& drone, OrderedJson one)
 {
     const OrderedJson metadata{{"name", drone.name}, {"labels", labels_of(plan, drone)}};

@@ -1,4 +1,4 @@
-// What drones need that no form carries along: files of Python, files that they read or write, devices.
+// Lists what drones need and no form contains: Python files, files that they read or write, devices.
 #include <hive/printable.hpp>
 #include <hive/program.hpp>
 #include <hive/swarm_export.hpp>
@@ -22,7 +22,7 @@ bool is_file(const std::string& text)
 
 bool in_containers(std::string_view form) { return form == "compose" || form == "kubernetes"; }
 
-/// What is missing where the form has it run, and what to do about it; empty: nothing is missing.
+/// What is missing where the form runs the drone, and the remedy; empty: nothing.
 std::string lack_of(const SwarmDrone& drone, const std::string& thing, std::string_view form)
 {
     if (form == "compose" && is_device(thing))

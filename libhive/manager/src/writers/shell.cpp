@@ -1,4 +1,4 @@
-// A script of hivectl's verbs: what people would type.
+// Writes a script of hivectl commands, as one would type them.
 #include "shell.hpp"
 
 #include "../engines/engine.hpp"
@@ -30,7 +30,7 @@ std::string start_line(const SwarmPlan& plan, const SwarmDrone& drone)
     if (engine.name == "ssh")
         words.insert(words.end(), {"--on", engine.settings.get<std::string>()});
     const auto program = arguments_of(as_started(plan, drone));
-    for (std::size_t i = 2; i < program.size(); ++i)  // behind --name NAME
+    for (std::size_t i = 2; i < program.size(); ++i)  // after --name NAME
         if (program[i] != "--set")
             words.push_back(program[i]);
     return line_of(words);

@@ -1,4 +1,4 @@
-// A script for sbatch: each drone is a step of the allocation, on the node that the plan calls its machine.
+// Writes a script for sbatch: each drone is a step of the allocation, on the node named as its machine.
 #include "command_lines.hpp"
 #include "writer.hpp"
 
@@ -8,7 +8,7 @@
 namespace hive {
 namespace {
 
-/// The steps are the drones of machines with the engine slurm; where there is none, all.
+/// The steps are the drones of machines with the engine slurm; all drones if there are none.
 std::vector<const SwarmDrone*> steps_of(const SwarmPlan& plan)
 {
     std::vector<const SwarmDrone*> all, by_slurm;
@@ -28,8 +28,8 @@ std::string joined(const std::set<std::string>& names)
     return text;
 }
 
-/// Nodes that are asked for with the same options. Several make a heterogeneous job: sbatch gives the options of a
-/// component to its nodes alone.
+/// Nodes that are requested with the same options. Several groups make a heterogeneous job: sbatch applies the options
+/// of a component to its nodes alone.
 struct Component {
     std::vector<std::string> options;
     std::set<std::string> nodes;
@@ -65,7 +65,7 @@ std::vector<Component> components_of(const SwarmPlan& plan, const std::vector<co
     return components;
 }
 
-/// A line for each option of sbatch.
+/// One line per option of sbatch.
 std::string directives(const SwarmPlan& plan, const std::vector<Component>& components)
 {
     std::string text = "#SBATCH --job-name=" + plan.name + "\n";
@@ -101,7 +101,7 @@ keep() {
 steps=()
 )";
 
-/// @param group  that of srun; empty: there is one
+/// @param group  that of srun; empty: there is only one
 std::string step(const SwarmDrone& drone, const std::string& group, const CommandLines& lines)
 {
     constexpr std::array words{"never", "on-failure", "always"};

@@ -1,4 +1,4 @@
-// Units of the user's systemd: a service for each drone, and a target for all of one machine.
+// Writes units of the user's systemd: a service per drone, and a target per machine.
 #include "../engines/systemd_unit.hpp"
 #include "command_lines.hpp"
 #include "writer.hpp"
@@ -8,7 +8,7 @@
 namespace hive {
 namespace {
 
-/// Most words need no quotes, and are read more easily without.
+/// Most arguments need no quotes, and are easier to read without.
 std::string readable_word(const std::string& word)
 {
     constexpr std::string_view plain = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_@:=,./+-";

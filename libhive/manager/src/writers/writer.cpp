@@ -1,4 +1,4 @@
-// Which form has which name.
+// The export forms by name.
 #include "writer.hpp"
 
 #include <hive/name.hpp>
@@ -9,7 +9,7 @@ namespace hive {
 
 namespace {
 
-/// Behind the first line, which is a comment, or says what runs a script.
+/// Inserts after the first line, which is a comment or the interpreter of a script.
 void add_to_head(std::string& text, const std::vector<std::string>& notes)
 {
     std::string lines;

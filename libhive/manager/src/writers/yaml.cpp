@@ -20,7 +20,7 @@ std::string yaml_line(const OrderedJson& value)
     return value.dump(-1, ' ', false, OrderedJson::error_handler_t::replace);
 }
 
-/// As it is where every reader takes it for a text: not 1, on, no or null.
+/// Unquoted only if every reader takes it for a text: not 1, on, no or null.
 std::string yaml_key(const std::string& key)
 {
     static const std::set<std::string> of_other_types{"y", "n", "yes", "no", "on", "off", "true", "false", "null"};
