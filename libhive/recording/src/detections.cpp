@@ -1,4 +1,4 @@
-// The header may come from anywhere: what is not a box is not a detection.
+// Headers are untrusted: whatever is not a box is not a detection.
 #include <hive/error.hpp>
 #include <hive/recording/detections.hpp>
 
@@ -49,7 +49,7 @@ Detection detection_of(const Json& box, const std::string& kind)
     return one;
 }
 
-/// A name from another machine must not lead to another folder, nor be hidden.
+/// A name from another machine must not lead to another folder or be hidden.
 std::string safe(std::string name)
 {
     for (char& letter : name)

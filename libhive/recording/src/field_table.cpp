@@ -35,7 +35,7 @@ const Json* member(const Json& value, std::string_view word)
     return value.is_object() && found != value.end() ? &*found : nullptr;
 }
 
-/// A key may have dots itself, as the name of a zone may: the longest word that fits comes first.
+/// A key may have dots itself, such as the name of a zone: the longest match wins.
 const Json* value_at(const Json& value, std::string_view path)
 {
     for (auto dot = path.size(); dot != std::string_view::npos && dot > 0; dot = path.rfind('.', dot - 1))

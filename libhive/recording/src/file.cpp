@@ -1,4 +1,4 @@
-// The system calls.
+// Wraps the system calls.
 #include <hive/recording/file.hpp>
 #include <hive/recording/format.hpp>
 
@@ -24,9 +24,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int owner_alone = 0600;  // what cameras see is nobody else's business
+constexpr int owner_alone = 0600;  // images are private to the user
 
-/// What the system means when it does not make the file.
+/// The error text if the file cannot be created.
 [[noreturn]] void refuse(int error, const fs::path& folder, const fs::path& path)
 {
     const auto whole = (folder / path).string();
@@ -60,7 +60,7 @@ int open_below(const fs::path& folder, const fs::path& path, bool overwrite)
     return descriptor;
 }
 
-/// Moves the beginning of the parts on by what was written; at most a handful of parts.
+/// Advances the parts by the bytes written; there are only a few parts.
 void skip_written(std::span<iovec>& parts, std::size_t written)
 {
     while (!parts.empty() && written >= parts.front().iov_len) {

@@ -1,4 +1,4 @@
-// Prefixes as bytes, summaries as JSON, ports from tracks.
+// Writes prefixes as bytes and summaries as JSON, and derives ports from tracks.
 #include <hive/recording/format.hpp>
 #include <hive/json.hpp>
 #include <hive/name.hpp>
@@ -57,7 +57,7 @@ bool has_type(const std::string& types, const std::string& type)
     return ("," + types + ",").find("," + type + ",") != std::string::npos;
 }
 
-/// A name that is free, the best first.
+/// The best free name.
 std::string port_name(const Track& track, bool alone, const std::set<std::string>& taken, std::size_t number)
 {
     for (const auto& name : {alone ? track.output : std::string(), track.sender + "-" + track.output})

@@ -1,4 +1,4 @@
-// The end first, when there is one; otherwise from record to record.
+// Reads the end first, if there is one; otherwise from record to record.
 #include <hive/recording/reader.hpp>
 
 #include <algorithm>
@@ -29,7 +29,7 @@ Reader::Reader(const std::filesystem::path& path) : file_(File::open_to_read(pat
     at_ = first_record;
 }
 
-/// A record that lies wholly within the file.
+/// A record that is complete in the file.
 std::optional<Prefix> Reader::prefix_at(std::uint64_t offset) const
 {
     std::array<std::byte, prefix_size> bytes{};
@@ -73,13 +73,13 @@ try {
     return false;
 }
 
-/// What a file without an end says of itself: all that its whole records say.
+/// The summary of a file without an end, from its complete records.
 void Reader::scan()
 {
     std::uint64_t offset = first_record;
     for (auto prefix = prefix_at(offset); prefix; prefix = prefix_at(offset)) {
         if (prefix->kind == Kind::end && read_end_at(offset)) {
-            problem_ = damage(offset + prefix->record_size());  // what follows is not what should follow
+            problem_ = damage(offset + prefix->record_size());  // no record follows
             return;
         }
         if (prefix->kind == Kind::end || !learn({*prefix, offset}))
@@ -112,7 +112,7 @@ try {
     track.bytes += prefix.body_size;
     track.last_us = summary_.duration_us = prefix.time_us;
     return true;
-} catch (const std::exception&) {  // what is no header, or was changed
+} catch (const std::exception&) {  // not a header, or changed
     return false;
 }
 
@@ -139,7 +139,7 @@ std::optional<Record> Reader::next()
     return std::nullopt;
 }
 
-/// Of a record whose content nobody needs.
+/// Skips a record whose content is not needed.
 void Reader::check(const Record& record)
 try {
     static_cast<void>(text(record));

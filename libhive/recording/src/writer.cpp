@@ -1,4 +1,4 @@
-// Records one after the other, room for the end before each.
+// Writes records one after the other, and reserves space for the end before each.
 #include <hive/recording/writer.hpp>
 
 #include <nlohmann/json.hpp>
@@ -14,8 +14,8 @@ namespace hive::recording {
 namespace {
 
 constexpr std::uint64_t reserve_step = 1 << 20;
-constexpr std::size_t end_bytes = 4096;  ///< of the end, beside its names and its index
-constexpr std::size_t row_bytes = 400;   ///< of a track, or a loss, in the end beside the names
+constexpr std::size_t end_bytes = 4096;  ///< of the end, without its names and its index
+constexpr std::size_t row_bytes = 400;   ///< of a track or a loss in the end, without the names
 
 std::uint64_t file_size_limit()
 {
@@ -38,7 +38,7 @@ std::string reason_of(int error)
     return error == ENOSPC || error == EDQUOT || error == EFBIG ? "disk full" : std::strerror(error);
 }
 
-/// Files that shells and programs read of their own accord begin with a dot.
+/// Files that shells and programs read automatically start with a dot.
 void require_visible(const std::filesystem::path& path)
 {
     for (const auto& part : path)
@@ -78,7 +78,7 @@ Writer::Writer(const WriterSettings& settings)
 
 Writer::~Writer() { finish("stopped"); }
 
-/// Room for so many bytes at the end of the file, and for what ends it after them.
+/// Reserves space for this many bytes at the end of the file, and for the end after them.
 void Writer::make_room(std::uint64_t bytes)
 {
     const auto upto = end_ + bytes + size_of_end();
@@ -104,7 +104,7 @@ std::uint64_t Writer::size_of_end() const
            + trailer_size;
 }
 
-/// Half a record is no part of the file.
+/// Removes a partial record.
 void Writer::write_whole(std::initializer_list<std::span<const std::byte>> parts)
 try {
     file_.write(end_, parts);
@@ -133,7 +133,7 @@ bool Writer::write(Prefix prefix, std::string_view text, std::span<const std::by
     return true;
 }
 
-/// Its number; most_tracks when there are too many.
+/// Its number; most_tracks if there are too many.
 std::uint32_t Writer::track_number(const Track& track)
 {
     const std::tuple key(track.sender, track.output, track.type);
@@ -217,7 +217,7 @@ void Writer::look(Clock::time_point now)
         finish("max_duration reached");
 }
 
-/// The end goes into the room taken for it, and takes all of that, so that it can be written again when more was lost.
+/// The end fills all of its reserved space, so that it can be rewritten if more is lost.
 void Writer::failed(int error)
 {
     failure_ = reason_of(error);
@@ -256,7 +256,7 @@ void Writer::write_end(std::uint64_t least_size)
     put_number(place, end_);
     try {
         write_whole({encode(prefix), bytes_of(text), index, place, bytes_of(end_magic)});
-        file_.truncate(end_ + end_size_);  // gives back what was taken ahead
+        file_.truncate(end_ + end_size_);  // releases the reserved space
     } catch (const std::system_error& error) {
         if (failure_.empty())
             failure_ = reason_of(error.code().value());

@@ -1,4 +1,4 @@
-// Bodies to pictures: one decoder per declared type, chosen by the declaration and never by sniffing.
+// Decodes bodies: one decoder per type, chosen by the declared type and never by sniffing.
 #include "exif.hpp"
 #include "jpeg_structure.hpp"
 #include "png_pixels.hpp"
@@ -33,7 +33,7 @@ JpegStructure checked_jpeg(const Body& body, const DecodeLimits& limits)
     return jpeg;
 }
 
-/// The inks of print as light, as cv::imdecode has it: they are taken for inverted, as all that write such files do.
+/// Converts CMYK to BGR as cv::imdecode does: the values are assumed inverted, as all programs write them.
 cv::Mat in_colour(const cv::Mat& inks)
 {
     cv::Mat picture(inks.size(), CV_8UC3);
@@ -92,7 +92,7 @@ cv::Size size_of_png(const Body& body, const DecodeLimits& limits)
                 "pictures of type " + in_quotes(type) + " are not supported; " + image_types + " are");
 }
 
-/// What is checked before it is decoded must not change in between.
+/// The bytes must not change between check and decoding.
 Body unchanging(const Body& body)
 {
     return body.foreign() ? Body(std::vector(body.data(), body.data() + body.size())) : body;

@@ -1,4 +1,4 @@
-// Images to JPEG by TurboJPEG, and to PNG; the bytes are those that cv::imencode makes by default.
+// Encodes images as JPEG with TurboJPEG, and as PNG; the bytes are those of cv::imencode with its defaults.
 #include "png_pixels.hpp"
 
 #include <hive/error.hpp>

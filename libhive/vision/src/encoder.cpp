@@ -1,4 +1,4 @@
-// The encodings of pictures by their words.
+// The encodings of images by name.
 #include <hive/vision/encoder.hpp>
 #include <hive/vision/image.hpp>
 

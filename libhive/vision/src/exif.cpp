@@ -1,4 +1,4 @@
-// Reads one tag of EXIF (a TIFF header and its first directory, CIPA DC-008 section 4.6), and turns pictures by it.
+// Reads one tag of EXIF (a TIFF header and its first directory, CIPA DC-008 section 4.6), and rotates images by it.
 #include "exif.hpp"
 
 #include <opencv2/core.hpp>

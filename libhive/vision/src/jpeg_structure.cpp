@@ -1,4 +1,4 @@
-// The walk over the markers of a JPEG: every length is checked against the bytes that are there.
+// Walks the markers of a JPEG, and checks every length against the available bytes.
 #include "jpeg_structure.hpp"
 
 #include "exif.hpp"
@@ -77,7 +77,7 @@ private:
         return bytes_[position_++];
     }
 
-    /// The contents of a segment with a length, behind which the walk goes on.
+    /// The contents of a segment with a length; continues after it.
     Bytes contents()
     {
         if (bytes_.size() - position_ < 2)
@@ -90,7 +90,7 @@ private:
         return inside;
     }
 
-    /// Takes in one segment; false at the end of the image.
+    /// Processes one segment; false at the end of the image.
     bool segment(std::uint8_t marker)
     {
         if (marker == eoi)

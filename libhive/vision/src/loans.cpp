@@ -37,7 +37,7 @@ const Loan* LoanAllocator::loan_of(const cv::Mat& picture)
     return lent ? static_cast<const Loan*>(picture.u->userdata) : nullptr;
 }
 
-/// When this throws, OpenCV takes ordinary memory.
+/// If this throws, OpenCV uses ordinary memory.
 Loan LoanAllocator::lend(std::size_t bytes) const
 {
     const std::lock_guard lock(mutex_);
@@ -49,7 +49,7 @@ Loan LoanAllocator::lend(std::size_t bytes) const
 cv::UMatData* LoanAllocator::allocate(int dims, const int* sizes, int type, void* data, std::size_t* step,
                                       cv::AccessFlag flags, cv::UMatUsageFlags usage) const
 {
-    if (data)  // the pixels are there already
+    if (data)  // the pixels already exist
         return cv::Mat::getStdAllocator()->allocate(dims, sizes, type, data, step, flags, usage);
     std::size_t bytes = CV_ELEM_SIZE(type);
     for (int i = dims - 1; i >= 0; --i) {

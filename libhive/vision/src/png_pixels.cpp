@@ -1,5 +1,4 @@
-// libpng reports errors by a long jump, so whatever has a destructor lives outside of the function that it jumps out
-// of.
+// libpng reports errors by longjmp, so objects with destructors live outside of the function that it leaves.
 #include "png_pixels.hpp"
 
 #include "exif.hpp"
@@ -20,8 +19,8 @@ namespace {
 constexpr std::array<std::uint8_t, 16> beginning{0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n',
                                                  0,    0,   0,   13,  'I',  'H',  'D',  'R'};
 
-/// libpng inflates all that is left of the compressed data when it has the last row, a thousand bytes for each. The end
-/// of an honest stream takes a few.
+/// After the last row libpng inflates all remaining compressed data, up to a thousand bytes per byte. A valid stream
+/// ends within a few.
 constexpr std::size_t most_behind_last_row = 1024;
 constexpr std::size_t most_exif = 64 * 1024;
 constexpr png_uint_32 pixel_chunk = 0x49444154;  // IDAT
@@ -36,7 +35,7 @@ std::span<const std::uint8_t> with_header(std::span<const std::uint8_t> bytes)
     return bytes;
 }
 
-/// What libpng reads from, and what it said.
+/// The input of libpng, and its error.
 class Reading {
 public:
     explicit Reading(std::span<const std::uint8_t> bytes)
@@ -47,7 +46,7 @@ public:
         if (!info_)
             throw Error(Errc::failed, "the PNG decoder could not be made");
         png_set_read_fn(png_, this, &Reading::on_read);
-        png_set_user_limits(png_, PNG_UINT_31_MAX, PNG_UINT_31_MAX);  // the caller judges pixels, not sides
+        png_set_user_limits(png_, PNG_UINT_31_MAX, PNG_UINT_31_MAX);  // the caller limits pixels, not sides
         // All but header, palette, transparency, pixels and EXIF are skipped.
         png_set_keep_unknown_chunks(png_, PNG_HANDLE_CHUNK_NEVER, nullptr, -1);
         png_set_keep_unknown_chunks(png_, PNG_HANDLE_CHUNK_AS_DEFAULT, reinterpret_cast<png_const_bytep>("eXIf"), 1);
@@ -56,9 +55,9 @@ public:
     Reading(const Reading&) = delete;
     Reading& operator=(const Reading&) = delete;
 
-    // These are false when libpng gave up.
+    // These return false if libpng failed.
     bool header();
-    bool rows(cv::Mat& picture);  ///< behind header()
+    bool rows(cv::Mat& picture);  ///< after header()
     [[nodiscard]] PngSize size() const;
     [[nodiscard]] int orientation() const;
     [[nodiscard]] const std::string& problem() const { return problem_; }
@@ -103,7 +102,7 @@ bool Reading::has_last_row() const
            && (interlaced ? png_get_current_pass_number(png_) >= passes : png_get_current_row_number(png_) >= height);
 }
 
-/// As cv::imdecode has them.
+/// As cv::imdecode converts them.
 void Reading::as_bgr()
 {
     const auto color = png_get_color_type(png_, info_);
@@ -130,7 +129,7 @@ bool Reading::header()
 
 PngSize Reading::size() const { return {png_get_image_width(png_, info_), png_get_image_height(png_, info_)}; }
 
-/// In a JPEG the same bytes stand behind a mark.
+/// In a JPEG the same bytes follow a signature.
 int Reading::orientation() const
 {
     png_uint_32 size = 0;

@@ -1,5 +1,5 @@
-// Writes PNG by libpng, which reports errors by a long jump: whatever has a destructor lives outside of the function
-// that it jumps out of.
+// Writes PNG with libpng, which reports errors by longjmp: objects with destructors live outside of the function that
+// it leaves.
 #include "png_pixels.hpp"
 
 #include <hive/error.hpp>
@@ -71,7 +71,7 @@ try {
     return false;
 }
 
-/// Fast rather than small, as cv::imencode does it.
+/// Fast rather than small, as cv::imencode.
 void Writing::header(const cv::Mat& picture)
 {
     const bool grey = picture.channels() == 1;

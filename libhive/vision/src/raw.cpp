@@ -1,4 +1,4 @@
-// image/raw in both directions. All products are made in 64 bits of numbers that were bounded first.
+// Reads and writes image/raw. All products are computed in 64 bits from bounded numbers.
 #include "raw.hpp"
 
 #include <hive/error.hpp>
@@ -17,7 +17,7 @@ constexpr std::int64_t longest_row = std::int64_t{1} << 31;
 constexpr std::int64_t most_bytes = 64 << 20;  ///< of a body (SPEC.md, section 3)
 constexpr int quality_of_large_pictures = 90;
 
-/// OpenCV's type of a pixel, and its word.
+/// OpenCV's type of a pixel, and its name.
 struct PixelFormat {
     const char* word;
     int type;
@@ -93,7 +93,7 @@ cv::Mat raw_view(const Body& body, const Json& header, const DecodeLimits& limit
 {
     const Layout raw = layout(body, header, limits);
     auto* pixels =
-        const_cast<unsigned char*>(body.data());  // cv::Mat knows no const pixels; the promise is in the header
+        const_cast<unsigned char*>(body.data());  // cv::Mat has no const pixels; the header promises read-only use
     const cv::Mat view(raw.height, raw.width, raw.type, pixels, static_cast<std::size_t>(raw.stride));
     if (raw.type != CV_8UC4)
         return view;
@@ -116,11 +116,11 @@ Json raw_header(const cv::Mat& picture, Json header)
 
 Body encode_raw(const cv::Mat& picture)
 {
-    raw_header(picture);  // refuses what raw pictures cannot be
+    raw_header(picture);  // refuses formats that image/raw does not have
     const Loan* loan = LoanAllocator::loan_of(picture);
     if (loan && picture.isContinuous() && picture.data == loan->data())
         return Loan(*loan).body(picture.total() * picture.elemSize());
-    // Of a loan a part is copied too: the body may outlive the allocator.
+    // A part of a loan is also copied: the body may outlive the allocator.
     auto owner = std::make_shared<const cv::Mat>(picture.isContinuous() && !loan ? picture : picture.clone());
     const std::span pixels(owner->data, owner->total() * owner->elemSize());
     return {std::as_bytes(pixels), std::move(owner)};

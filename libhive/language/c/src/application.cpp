@@ -1,4 +1,4 @@
-// The calls of an application.
+// The functions of applications.
 #include "application_object.hpp"
 #include "own_timeout.hpp"
 #include "texts.hpp"
@@ -42,7 +42,7 @@ const char* changed_text(SetResult::Changed changed)
     return changed == SetResult::Changed::all ? "all" : changed == SetResult::Changed::none ? "none" : "unclear";
 }
 
-/// The state of a drone in words: its own, or "gone", or "silent".
+/// The state of a drone as text: its own, or "gone", or "silent".
 std::string state_of(Application& application, const std::string& name)
 {
     if (name.find('@') == std::string::npos && !std::ranges::binary_search(application.drones(), name))
@@ -153,7 +153,7 @@ hive_code hive_application_status_all(hive_application* application, const char*
     });
 }
 
-/// Others are let in between two looks.
+/// Other threads are let in between two polls.
 hive_code hive_application_wait(hive_application* application, const char* drone, const char* state, int64_t timeout_ms)
 {
     return guarded([&] {
@@ -254,7 +254,7 @@ hive_code hive_application_resume(hive_application* application, const char* dro
 hive_code hive_application_stop(hive_application* application, const char* drone)
 {
     return with_application(application, [&](Application& open) {
-        reap_background_processes();  // those that this process had started and stopped before
+        reap_background_processes();  // drones that this process had started and stopped
         open.stop(text_of(drone, "the drone"));
     });
 }

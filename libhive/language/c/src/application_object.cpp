@@ -1,4 +1,4 @@
-// Letting threads in, and ending things in the right order.
+// Serializes the threads of an application, and destroys its parts in order.
 #include "application_object.hpp"
 
 #include "texts.hpp"
@@ -18,7 +18,7 @@ std::uint64_t Queue::ask()
     return asked_++;
 }
 
-/// With the mutex held: lets the next one in that is still there.
+/// With the mutex held: lets in the next thread that still waits.
 void Queue::pass_on()
 {
     do
@@ -96,7 +96,7 @@ void ApplicationObject::with(CollectorObject& collector, const std::function<voi
     });
 }
 
-/// What was released from within is ended now.
+/// Destroys what a callback released meanwhile.
 void ApplicationObject::leave()
 {
     std::vector<std::shared_ptr<CollectorObject>> doomed;
@@ -127,7 +127,7 @@ void ApplicationObject::close_now()
     application_.reset();
 }
 
-/// Whoever is let in closes, and so does the thread that is in already, as soon as it leaves.
+/// Any thread that is let in closes, and so does the thread inside when it leaves.
 void ApplicationObject::close()
 {
     {

@@ -1,4 +1,4 @@
-// An application and its collectors behind handles: one thread at a time is let in, in the order of asking.
+// An application and its collectors behind handles: lets in one thread at a time, first come, first served.
 #pragma once
 
 #include "texts.hpp"
@@ -17,16 +17,15 @@
 
 namespace hive::c {
 
-/// How long one thread waits for events before others are let in.
+/// How long one thread waits for events before it lets others in.
 constexpr std::chrono::milliseconds longest_turn(50);
 
-/// Lets threads in one after the other, first come, first served.
+/// A fair lock: threads enter in the order of their calls.
 class Queue {
 public:
-    /// Throws Errc::invalid_argument for the thread that is in already, and Errc::stopped when the caller no longer
-    /// wants to wait.
+    /// Throws Errc::invalid_argument on the thread inside, and Errc::stopped if the caller cancels the wait.
     void enter();
-    /// The same for who must get in.
+    /// The same, without a way to cancel.
     void enter_in_any_case();
     void leave();
     [[nodiscard]] bool is_in() const;
@@ -35,7 +34,7 @@ private:
     mutable std::mutex mutex_;
     std::condition_variable left_;
     std::uint64_t asked_ = 0, served_ = 0;
-    std::set<std::uint64_t> gone_;  ///< of those that asked
+    std::set<std::uint64_t> gone_;  ///< waiting threads that cancelled
     std::thread::id in_{};
 
     std::uint64_t ask();
@@ -44,7 +43,7 @@ private:
 
 class ApplicationObject;
 
-/// One of the two kinds is there until it is closed.
+/// A Collector or a MatchedCollector: one of the two is set until it is closed.
 class CollectorObject final : public Object, public std::enable_shared_from_this<CollectorObject> {
 public:
     using Handle = hive_collector;
@@ -54,7 +53,7 @@ public:
     void released() override;
 
     const std::shared_ptr<ApplicationObject> application;
-    // Of the thread that is in the application.
+    // For the thread inside.
     std::unique_ptr<Collector> events;
     std::unique_ptr<MatchedCollector> sets;
     bool closed = false;
@@ -68,16 +67,16 @@ public:
     explicit ApplicationObject(Application::Options options);
     void released() override;
 
-    /// Lets this thread in and runs it. Throws Errc::stopped when the application is closed.
+    /// Lets this thread in and runs the function. Throws Errc::stopped if the application is closed.
     void with(const std::function<void(Application&)>& work);
     /// The same for one of its collectors.
     void with(CollectorObject& collector, const std::function<void()>& work);
-    /// Ends its collectors, then itself.
+    /// Destroys its collectors, then itself.
     void close();
     void close(const std::shared_ptr<CollectorObject>& collector);
 
     [[nodiscard]] std::shared_ptr<CollectorObject> new_collector();
-    /// Does another thread wait to close it?
+    /// Is another thread waiting to close it?
     [[nodiscard]] bool is_closing();
     [[nodiscard]] const std::string& application_name() const noexcept { return name_; }
     [[nodiscard]] std::chrono::milliseconds timeout() const;
@@ -88,11 +87,11 @@ private:
     void close_now();
 
     Queue queue_;
-    // Of the thread that is in.
+    // For the thread inside.
     std::unique_ptr<Application> application_;
     std::vector<std::weak_ptr<CollectorObject>> collectors_;
     std::chrono::milliseconds timeout_;
-    // Released by the thread that is in, from within a callback: ended when it leaves.
+    // Released by the thread inside, from within a callback: destroyed when it leaves.
     std::mutex mutex_;
     std::vector<std::shared_ptr<CollectorObject>> doomed_;
     bool all_doomed_ = false;

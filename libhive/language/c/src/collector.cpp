@@ -1,4 +1,4 @@
-// Collectors: what an application receives.
+// The functions of collectors.
 #include "application_object.hpp"
 #include "drone_object.hpp"
 #include "texts.hpp"
@@ -13,7 +13,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Makes one and gives its handle.
+/// Creates a collector and returns its handle.
 void give_new(hive_application* application, hive_collector** place,
               const std::function<void(Application&, CollectorObject&)>& make)
 {
@@ -42,7 +42,7 @@ std::optional<std::string> ended(const CollectorObject& collector)
     return collector.sets ? collector.sets->ended() : collector.events->ended();
 }
 
-/// Asks again and again, with others let in between, until there is something, nothing more comes, or the time is over.
+/// Polls, letting other threads in between, until there is an event, the end, or the timeout.
 template <class Take>
 auto taken(CollectorObject& collector, int64_t timeout_ms, Take&& take)
 {
@@ -67,7 +67,7 @@ Json counts_json(const CollectCounts& counts)
             {"missing_turns", counts.missing_turns}, {"failed", counts.failed},         {"dropped", counts.dropped}};
 }
 
-/// Of sets also "sets".
+/// Sets also have "sets".
 Json all_counts(CollectorObject& collector)
 {
     Json counts;
@@ -170,7 +170,7 @@ hive_code hive_collector_count(hive_collector* collector, const char* counter, i
             for (const auto& [counter_of_sets, number] : sets.items())
                 if (number.is_number_integer())
                     counts[counter_of_sets] =
-                        number;  // their "sets" is the number, and "missing" a list for each input
+                        number;  // for sets, "sets" is their number, and "missing" a list for each input
         const auto found = counts.find(name);
         if (found == counts.end() || !found->is_number_integer())
             throw Error(Errc::invalid_argument, "a collector has no counter " + in_quotes(name));
@@ -182,7 +182,7 @@ hive_code hive_collector_inputs(hive_collector* collector, char** json, size_t* 
 {
     return guarded([&] {
         const auto object = get<CollectorObject>(collector);
-        Status status;  // which tells them as a drone would
+        Status status;  // which has them in the form of a drone's status
         object->application->with(
             *object, [&] { status.inputs = object->sets ? object->sets->inputs() : object->events->inputs(); });
         give_json(to_json(status).at("inputs"), json, length);

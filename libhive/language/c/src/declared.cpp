@@ -1,4 +1,4 @@
-// Ports are called by their names, and matched by their types: neither may be ambiguous.
+// Names and types of ports must be valid and unique.
 #include "declared.hpp"
 
 #include <hive/error.hpp>

@@ -1,4 +1,4 @@
-// A drone: made, declared, run.
+// The functions that create, declare and run a drone.
 #include "declared.hpp"
 #include "drone_object.hpp"
 #include "texts.hpp"
@@ -74,7 +74,7 @@ std::vector<MatchedInput> matched_inputs(const char* text, DroneObject& drone, h
     return inputs;
 }
 
-/// Each is checked against those before it, too.
+/// Each is also checked against those before it.
 void require_inputs(Interface declared, const std::vector<MatchedInput>& inputs)
 {
     for (const auto& input : inputs) {
@@ -83,7 +83,7 @@ void require_inputs(Interface declared, const std::vector<MatchedInput>& inputs)
     }
 }
 
-/// With a drone that somebody holds, from any thread.
+/// Runs with the drone of a handle, from any thread.
 template <class Function>
 hive_code with_drone(const hive_drone* drone, Function&& function)
 {

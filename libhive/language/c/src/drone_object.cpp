@@ -1,4 +1,4 @@
-// Keeps a drone, and guards what belongs to one thread or one moment.
+// Owns a drone, and checks the thread and time of each call.
 #include "drone_object.hpp"
 
 #include "texts.hpp"
@@ -7,7 +7,7 @@ namespace hive::c {
 
 namespace {
 
-/// The last reference may go on a thread that the drone waits for when it ends, as its encoder's.
+/// The last reference may be released on a thread that the drone's destructor joins, such as its encoder's.
 void end(EmbeddedDrone* drone)
 {
     if (LibraryThread::is_this())
@@ -24,12 +24,12 @@ void LogSink::set(Write write)
     write_ = std::make_shared<Write>(std::move(write));
 }
 
-/// Under the lock, so that the former callback is not running when set() has returned.
+/// Under the lock, so that the previous callback is not running when set() has returned.
 void LogSink::write(LogLevel level, const std::string& line)
 {
     const std::lock_guard lock(mutex_);
     const LibraryThread here;
-    if (const auto write = write_; *write)  // it may release the drone, and with it what set() was given
+    if (const auto write = write_; *write)  // it may release the drone, and with it the arguments of set()
         (*write)(level, line.c_str());
 }
 
@@ -77,7 +77,7 @@ DroneObject::DroneObject(DroneProgram program, EmbeddedOptions options)
 
 DroneObject::DroneObject(std::unique_ptr<EmbeddedDrone> drone) : drone_(drone.release(), end) { watch_changes(); }
 
-/// The callbacks are called by the drone, which lives no longer than this object does: whoever runs it holds both.
+/// The drone calls the callbacks and never outlives this object: a running thread holds both.
 void DroneObject::watch_changes()
 {
     drone_->drone().on_change([this] {
@@ -100,9 +100,9 @@ void DroneObject::released()
     log_->set({});
     try {
         if (inside_)
-            last->drone().stop();  // somebody runs it, and ends it after that
+            last->drone().stop();  // the thread that runs it destroys it afterwards
     } catch (const Error&) {
-        // It had not begun: it ends when on_start has returned.
+        // Not yet running: it ends when on_start has returned.
     }
 }
 

@@ -1,4 +1,4 @@
-// A drone behind a handle: its callbacks, its parameters, and who may call what when.
+// A drone behind a handle: its callbacks, its parameters, and the rules for threads and times of calls.
 #pragma once
 
 #include "event.hpp"
@@ -16,7 +16,7 @@
 
 namespace hive::c {
 
-/// Takes the lines of the log; it outlives the drone, whose network side may still write.
+/// Receives log lines. Outlives the drone, whose network side may still write.
 class LogSink {
 public:
     using Write = std::function<void(LogLevel, const char* line)>;
@@ -28,18 +28,18 @@ private:
     std::shared_ptr<const Write> write_ = std::make_shared<Write>();
 };
 
-/// The variable of one parameter: the caller's, or one of our own.
+/// The variable of one parameter: the caller's or our own.
 struct Variable {
     std::string name{};
     int* integer = nullptr;
     double* number = nullptr;
     bool* flag = nullptr;
     std::string* text = nullptr;
-    const char** shown = nullptr;  ///< of the caller, shows the text
+    const char** shown = nullptr;  ///< the caller's, points to the text
 
     [[nodiscard]] Json value() const;
     void assign(const Json& value) const;
-    /// The caller sees the text; what the caller has put there instead is taken.
+    /// Publishes the text to the caller, or accepts the text that the caller put there.
     void show() const;
     void take() const;
 };
@@ -53,13 +53,13 @@ public:
     explicit DroneObject(std::unique_ptr<EmbeddedDrone> drone);
     void released() override;
 
-    /// Throw Errc::stopped when all handles of the drone were released.
+    /// Throw Errc::stopped if all handles of the drone were released.
     std::shared_ptr<EmbeddedDrone> open() const;
-    /// For what comes before the drone runs. Throws Errc::invalid_argument afterwards.
+    /// For calls before the drone runs. Throws Errc::invalid_argument afterwards.
     std::shared_ptr<EmbeddedDrone> declaring() const;
-    /// For the user thread, which is the last one that has run the drone. Throws Errc::invalid_argument on another one.
+    /// For the user thread: the last one that ran the drone. Throws Errc::invalid_argument on any other.
     std::shared_ptr<EmbeddedDrone> on_user_thread() const;
-    /// Runs, with this thread as the user thread. Throws Errc::invalid_argument within itself.
+    /// Runs with this thread as the user thread. Throws Errc::invalid_argument if called from within.
     void as_user_thread(const std::function<void(EmbeddedDrone&)>& work);
 
     void begin() { began_ = true; }
@@ -67,13 +67,13 @@ public:
     [[nodiscard]] Json values() const;
     void assign(const Json& values);
     void on_change(hive_callback callback, void* user) { on_change_ = {callback, user}; }
-    /// Calls back, and throws what that returns.
+    /// Calls back, and throws the error for the returned code.
     void call(const std::function<hive_code()>& callback);
-    /// What the callback under way has failed with, when it is more than a code.
+    /// The error of the current callback, if it left more than a code.
     void keep_failure(std::exception_ptr failure) { failure_ = std::move(failure); }
     [[nodiscard]] LogSink& log() noexcept { return *log_; }
 
-    /// Variables of parameters that the caller has not bound; addresses stay.
+    /// Variables of parameters that the caller has not bound; their addresses are stable.
     std::deque<int> integers;
     std::deque<double> numbers;
     std::deque<bool> flags;
@@ -90,7 +90,7 @@ private:
     mutable std::mutex mutex_;
     std::shared_ptr<EmbeddedDrone> drone_;  ///< null: released
     std::atomic<bool> began_ = false;
-    std::atomic<bool> inside_ = false;  ///< somebody runs it
+    std::atomic<bool> inside_ = false;  ///< a thread runs it
     std::atomic<std::thread::id> user_thread_{};
     std::deque<Variable> variables_;
     Change on_change_;
@@ -117,7 +117,7 @@ public:
     const Matching matching;
 };
 
-/// The rule that a caller writes as {} or {"tolerance_us": N}.
+/// Parses the rule {} or {"tolerance_us": N}.
 Match match_of(const char* text);
 
 }  // namespace hive::c

@@ -1,4 +1,4 @@
-// What an output declares so that each connection gets its events as it wants them; the caller's code encodes.
+// Lets the caller's code encode the events of an output for each connection.
 #include "declared.hpp"
 #include "drone_object.hpp"
 #include "texts.hpp"
@@ -39,7 +39,7 @@ std::vector<Encoding> encodings_of(const char* text)
     return encodings;
 }
 
-/// What the caller's code answers with.
+/// The answer of the caller's code.
 class EncodedObject final : public Object {
 public:
     using Handle = hive_encoded;
@@ -51,7 +51,7 @@ public:
         header_ = std::move(header);
         body_ = std::move(body);
     }
-    /// Throws Errc::invalid_argument when nothing was given.
+    /// Throws Errc::invalid_argument without an answer.
     void take(Event& event)
     {
         const std::lock_guard lock(mutex_);

@@ -1,4 +1,4 @@
-// Codes, and the last error of each thread.
+// Converts errors to codes, and keeps the last error of each thread.
 #include "errors.hpp"
 
 #include <hive/version.hpp>
@@ -20,7 +20,7 @@ LastError& last_error()
     return error;
 }
 
-/// In the order of Errc; a code is its place, counted from 1.
+/// In the order of Errc; a code is the position, from 1.
 constexpr std::array codes{HIVE_INVALID_ARGUMENT,
                            HIVE_NOT_FOUND,
                            HIVE_UNREACHABLE,

@@ -1,4 +1,4 @@
-// Between exceptions and codes: the last error of each thread, and what every function of the ABI runs in.
+// Converts between exceptions and codes: the last error of each thread, and the wrapper of every ABI function.
 #pragma once
 
 #include <hive.h>
@@ -8,17 +8,17 @@
 namespace hive::c {
 
 hive_code code_of(Errc code) noexcept;
-/// Errc::failed for what is no code of an error.
+/// Errc::failed for an unknown code.
 Errc errc_of(hive_code code) noexcept;
 
 /// Makes it the last error of this thread. @return its code
 hive_code keep(const Error& error) noexcept;
-/// What is being handled in a catch clause becomes the last error.
+/// Makes the exception of the current catch clause the last error.
 hive_code keep_current() noexcept;
-/// Throws what a callback that returned `code` means: its text, when it has left one by hive_fail() or by a call that
-/// failed.
+/// Throws the error of a callback that returned `code`, with the text that it left by hive_fail() or a failed call, if
+/// any.
 void require_done(hive_code code);
-/// Before a callback: an old text must not be taken for its own.
+/// Before a callback: clears an old text, so that it is not mistaken for the callback's.
 void forget_error() noexcept;
 
 /// Runs the body of a function of the ABI.

@@ -1,4 +1,4 @@
-// What a caller asks of events, bodies and loans.
+// The functions of events, bodies and loans.
 #include "event.hpp"
 
 #include "library_thread.hpp"
@@ -57,7 +57,7 @@ const std::string& EventObject::header() const
     return *header_;
 }
 
-/// What it held goes without the lock: giving back a ticket may take a while.
+/// Releases the content without the lock: releasing a ticket may be slow.
 void EventObject::done()
 {
     Ticket ticket;
@@ -203,7 +203,7 @@ hive_code hive_body_over(const void* bytes, size_t size, void (*free_bytes)(void
         required(body, "the place for the body");
         required(free_bytes, "free_bytes");
         const auto* first = static_cast<const std::byte*>(required(bytes, "the bytes"));
-        // Armed only when nothing can fail any more: on failure the memory stays the caller's.
+        // Armed only once nothing can fail any more: on failure the caller keeps the memory.
         const auto armed = std::make_shared<bool>(false);
         const std::shared_ptr<const void> owner(bytes, [=](const void*) {
             const LibraryThread here;

@@ -18,9 +18,9 @@ public:
 
     explicit EventObject(Event event) : event_(std::move(event)) {}
 
-    /// But for its ticket it never changes.
+    /// Immutable except for its ticket.
     [[nodiscard]] const Event& event() const noexcept { return event_; }
-    /// A copy that may be emitted: without ticket.
+    /// A copy for emitting, without the ticket.
     [[nodiscard]] Event copy() const;
     /// The header as text.
     [[nodiscard]] const std::string& header() const;
@@ -47,7 +47,7 @@ public:
     static constexpr const char* name = "hive_loan";
 
     explicit LoanObject(Loan loan) : loan_(std::move(loan)) {}
-    /// Throw Errc::invalid_argument when it has become a body.
+    /// Throw Errc::invalid_argument once it has become a body.
     [[nodiscard]] std::span<std::byte> bytes() const;
     Body body(std::size_t size);
 
@@ -56,7 +56,7 @@ private:
     std::optional<Loan> loan_;
 };
 
-/// The handles of events while a callback has them.
+/// The handles of events during a callback.
 class Lent {
 public:
     explicit Lent(const std::vector<Event>& events);

@@ -1,4 +1,4 @@
-// The table of handles, in parts, so that threads rarely wait for one another.
+// The table of handles, in shards, so that threads rarely wait for each other.
 #include "handles.hpp"
 
 #include <array>
@@ -23,7 +23,7 @@ struct Part {
 constexpr std::size_t parts = 16;
 std::atomic<std::uintptr_t> last_handle = 0;
 
-/// Never destroyed: handles may be released while the process ends.
+/// Never destroyed: handles may be released while the process exits.
 Part& part_of(std::uintptr_t handle)
 {
     static auto* all = new std::array<Part, parts>;
@@ -40,7 +40,7 @@ const void* add_handle(std::shared_ptr<Object> object)
     Part& part = part_of(handle);
     const std::lock_guard lock(part.mutex);
     part.entries.emplace(handle, Entry{.object = std::move(object)});
-    return reinterpret_cast<const void*>(handle);  // NOLINT: nobody looks behind it
+    return reinterpret_cast<const void*>(handle);  // NOLINT: never dereferenced
 }
 
 std::shared_ptr<Object> object_of(const void* handle)

@@ -1,4 +1,4 @@
-// What stands behind the handles of the ABI: numbers that name objects, and are never used twice.
+// The handles of the ABI: numbers of objects, never reused.
 #pragma once
 
 #include "errors.hpp"
@@ -8,18 +8,18 @@
 
 namespace hive::c {
 
-/// Something that a handle names. From any thread, unless a function says otherwise.
+/// An object with a handle. For any thread, unless a function says otherwise.
 class Object {
 public:
     Object() = default;
     virtual ~Object() = default;
     Object(const Object&) = delete;
     Object& operator=(const Object&) = delete;
-    /// The last handle was released. Calls of other threads may be under way; the object ends after them.
+    /// The last handle was released. Calls of other threads may be running; the object is destroyed after them.
     virtual void released() {}
 };
 
-/// Gives an object a handle with one reference.
+/// Creates a handle of an object, with one reference.
 const void* add_handle(std::shared_ptr<Object> object);
 /// The object, or null.
 std::shared_ptr<Object> object_of(const void* handle);

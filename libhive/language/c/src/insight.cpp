@@ -1,5 +1,4 @@
-// Why nothing comes from drones, what would make them faster, whether anything was lost, what a swarm is made of, and
-// what drones failed at.
+// The functions explain, advise, audit, graph, failures and rerun.
 #include "application_object.hpp"
 #include "own_timeout.hpp"
 #include "texts.hpp"
@@ -20,7 +19,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Gives what `look` finds. A drone that does not answer takes half a second of it, not all of the time.
+/// Returns the result of `look`. A drone that does not answer costs half a second, not the whole timeout.
 template <class Look>
 hive_code give_found(hive_application* application, char** json, size_t* length, const Look& look)
 {

@@ -1,5 +1,4 @@
-// Tells code of the caller that runs on a thread of the library from other code: what ends such a thread must not
-// happen on it.
+// Marks code of the caller that runs on a thread of the library: a call that joins this thread must not run on it.
 #pragma once
 
 namespace hive::c {

@@ -1,4 +1,4 @@
-// What a drone emits.
+// The functions of outputs.
 #include "drone_object.hpp"
 #include "texts.hpp"
 
@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::size_t max_loan = 64 << 20;  ///< the body of an event (SPEC.md, section 3)
 
-/// An output, and what keeps it alive during the call.
+/// An output, and the reference that keeps it alive during the call.
 struct OpenOutput {
     std::shared_ptr<OutputObject> object;
     std::shared_ptr<EmbeddedDrone> drone;
@@ -34,7 +34,7 @@ OpenOutput for_user_thread(const hive_output* handle)
 
 Body body_of(const hive_body* body) { return body ? get<BodyObject>(body)->body : Body(); }
 
-/// A body that the caller's code makes when it is asked for; its reference is ours then.
+/// A body that the caller's code creates on demand; we then own its reference.
 std::function<Body()> made_by(hive_body_callback make, void* user)
 {
     required(make, "what makes the body");

@@ -1,4 +1,4 @@
-// A call with a deadline of its own.
+// Runs a call with its own timeout.
 #pragma once
 
 #include <hive/application.hpp>
@@ -7,7 +7,7 @@
 
 namespace hive::c {
 
-/// Another timeout for as long as this lives, also where a call is cancelled.
+/// Changes the timeout during its lifetime, and restores it even if the call throws.
 class OwnTimeout {
 public:
     OwnTimeout(Application& application, std::chrono::milliseconds own, std::chrono::milliseconds before)

@@ -1,4 +1,4 @@
-// The parameters of a drone.
+// The functions of parameters.
 #include "declared.hpp"
 #include "drone_object.hpp"
 #include "texts.hpp"
@@ -18,7 +18,7 @@ Constraint constraint_of(const Options& options)
             options.flag("operator")};
 }
 
-/// Declares it on the caller's variable, and keeps where that is.
+/// Declares it on the caller's variable, and keeps the address.
 template <class Value>
 void bind_to(hive_drone* drone, const char* name, Value* variable, const char* constraint, const char* help,
              Value* Variable::*place)
@@ -59,7 +59,7 @@ void declare(EmbeddedDrone& drone, const Variable& variable, const Constraint& c
         drone.drone().parameter(variable.name, *variable.text, constraint, help);
 }
 
-/// What an int cannot hold is no default.
+/// A default must fit into an int.
 void require_int(const Json& value)
 {
     const auto number = json_integer(value);

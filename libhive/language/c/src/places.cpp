@@ -1,4 +1,4 @@
-// Where drones are met.
+// The functions of places.
 #include "application_object.hpp"
 
 using namespace hive;

@@ -1,4 +1,4 @@
-// A drone in the background, and a process that takes over from one.
+// The functions that start and replace drones.
 #include "application_object.hpp"
 #include "own_timeout.hpp"
 #include "texts.hpp"

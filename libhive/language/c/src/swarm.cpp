@@ -1,4 +1,4 @@
-// Whole swarms behind handles.
+// The functions of swarms.
 #include "application_object.hpp"
 #include "texts.hpp"
 #include "waiting.hpp"
@@ -127,9 +127,9 @@ void require_good(const std::vector<Mistake>& mistakes)
     throw Error(Errc::invalid_argument, text, first.advice);
 }
 
-// --- going along with work ---
+// --- progress and cancellation ---
 
-/// A caller who no longer wants to go on says so when it is asked, or by what its callback returns.
+/// A caller cancels by the callback of hive_on_wait, or by the result of the progress callback.
 class Company {
 public:
     Company(hive_progress_callback progress, void* user) : progress_(progress), user_(user) {}
@@ -142,7 +142,7 @@ public:
     }
 
 private:
-    /// Asks first: a callback in another language is no place to meet a signal that has come long before.
+    /// Polls for cancellation first, so that an earlier signal does not surface inside a callback in another language.
     void tell(std::size_t done, std::size_t all, const std::string& what)
     {
         if (progress_ && !undoable_.is_cancelled())
@@ -155,7 +155,7 @@ private:
     bool refused_ = false;
 };
 
-/// What is told while somebody stays with a swarm, and what ends that.
+/// The callback for messages while a swarm is supervised, and its cancellation.
 class Listener {
 public:
     Listener(hive_told_callback told, void* user, SwarmObject& swarm) : told_(told), user_(user), swarm_(swarm) {}
@@ -187,7 +187,7 @@ private:
     std::exception_ptr refused_;
 };
 
-/// Of the swarm of that name, or else of all that run.
+/// The drones of the swarm with that name, or all running ones.
 std::vector<std::string> drones_meant(Application& application, const std::vector<SwarmPlan>& plans,
                                       const std::string& name)
 {

@@ -1,4 +1,4 @@
-// Reading and giving texts.
+// Reads texts of the caller, and returns texts to it.
 #include "texts.hpp"
 
 #include <algorithm>

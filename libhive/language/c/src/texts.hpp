@@ -1,4 +1,4 @@
-// Texts and JSON on their way in and out of the ABI.
+// Texts and JSON in arguments and results of the ABI.
 #pragma once
 
 #include "errors.hpp"
@@ -15,7 +15,7 @@ inline std::string text_or_empty(const char* text) { return text ? text : ""; }
 /// Throws Errc::invalid_argument for null.
 std::string text_of(const char* text, const char* what);
 
-/// JSON of the caller; what is wrong with it is Errc::invalid_argument. Null: the fallback.
+/// Parses JSON of the caller; throws Errc::invalid_argument. Null: the fallback.
 Json json_of(const char* text, const char* what, Json fallback = Json::object());
 /// The same with a length, for headers: an object.
 Json header_of(const char* text, std::size_t length);
@@ -24,7 +24,7 @@ Json object_of(const char* text, const char* what);
 /// An array of texts. Null: none.
 std::vector<std::string> names_of(const char* text, const char* what);
 
-/// Fields of options; what is wrong with them is Errc::invalid_argument naming the field.
+/// Fields of options; errors are Errc::invalid_argument naming the field.
 class Options {
 public:
     /// Throws for a field that is not among `known`.
@@ -48,7 +48,7 @@ inline void give_json(const Json& value, char** out, std::size_t* length = nullp
     give_text(to_text(value), out, length);
 }
 
-/// Milliseconds of the caller as a time to wait: not negative, at most a day.
+/// A timeout of the caller in milliseconds: not negative, at most a day.
 std::chrono::milliseconds patience_of(std::int64_t milliseconds);
 
 }  // namespace hive::c

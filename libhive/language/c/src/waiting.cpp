@@ -1,4 +1,4 @@
-// Asking the caller whether it still wants to wait.
+// Polls the caller for cancellation.
 #include "waiting.hpp"
 
 #include "errors.hpp"
@@ -40,7 +40,7 @@ void require_wait()
 Undoable::Undoable() noexcept : outer_(std::exchange(undoable, this)) {}
 Undoable::~Undoable() { undoable = outer_; }
 
-/// Asked also when it is known: the caller may see signals meanwhile.
+/// Polls even if already cancelled: the caller may process signals meanwhile.
 bool Undoable::is_cancelled() { return cancelled_ = says_so() || cancelled_; }
 
 }  // namespace hive::c

@@ -1,15 +1,15 @@
-// What a thread has said that is to be asked while its calls wait.
+// The cancellation callback of a thread, polled while its calls wait.
 #pragma once
 
 namespace hive::c {
 
-/// Does the caller, on this thread, no longer want to wait?
+/// Has the caller cancelled, on this thread?
 bool wait_is_cancelled();
 /// Throws Errc::stopped if so.
 void require_wait();
 
-/// While one lives on this thread, the caller is asked as ever, but only this one knows the answer: calls go on, so
-/// that what was begun can be undone.
+/// While one lives on this thread, the caller is still polled, but only this object has the answer: calls continue, so
+/// that changes can be rolled back.
 class Undoable {
 public:
     Undoable() noexcept;
@@ -17,7 +17,7 @@ public:
     Undoable(const Undoable&) = delete;
     Undoable& operator=(const Undoable&) = delete;
 
-    /// Asks; whoever has said so once cannot take it back.
+    /// Polls; a cancellation is final.
     [[nodiscard]] bool is_cancelled();
 
 private:
