@@ -5,7 +5,7 @@
 namespace hivectl {
 namespace {
 
-/// By the drone's own clock, so that it does not matter whether ours agrees.
+/// By the drone's own clock, so that ours does not matter.
 bool is_sending(const hive::Status& status)
 {
     constexpr std::int64_t second_us = 1'000'000;

@@ -1,4 +1,4 @@
-// CLI11 behind the words of command_line.hpp.
+// Implements command_line.hpp with CLI11.
 #include "command_line.hpp"
 
 #include "format.hpp"
@@ -56,7 +56,7 @@ template Option Option::between(int, int) const;
 template Option Option::between(std::int64_t, std::int64_t) const;
 template Option Option::between(double, double) const;
 
-/// Numbers alone stay as they were written, since some are handed on.
+/// Numbers without a unit stay as written, since some are forwarded.
 Option Option::measured(const Reader& reader, double least, double most, const std::string& examples) const
 {
     const auto read = [=](std::string& text) -> std::string {
@@ -108,7 +108,7 @@ Option Option::encoding() const
 
 namespace {
 
-/// "--as: 1 required NAME missing" and the like, as hivectl says it.
+/// Rewords errors such as "--as: 1 required NAME missing".
 std::string reworded(const CLI::ParseError& error)
 {
     const std::string text = error.what();
@@ -175,7 +175,7 @@ std::vector<std::string> split(const std::string& words)
 
 CommandLine::Entry entry_of(const CLI::Option& option)
 {
-    // "FORM:a|b": the validators' descriptions stand behind the type.
+    // "FORM:a|b": the validators' descriptions follow the type.
     const std::string type = option.get_expected_max() > 0 ? option.get_type_name() : "";
     const auto colon = type.find(':');
     return {.positional = option.get_positional(),

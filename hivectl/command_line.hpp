@@ -1,5 +1,5 @@
-// The options and arguments of a verb. CLI11 reads them; it takes seconds to compile, so command_line.cpp alone knows
-// it.
+// The options and arguments of a verb. CLI11 parses them; it takes seconds to compile, so only command_line.cpp
+// includes it.
 #pragma once
 
 #include <functional>
@@ -16,12 +16,12 @@ class Option;
 
 namespace hivectl {
 
-/// A command line that cannot be read; what() says why.
+/// An invalid command line; what() has the reason.
 class UsageError : public std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
-/// One declared option or argument, to say more about it; copies are the same option.
+/// One declared option or argument, to refine it; copies are the same option.
 class Option {
 public:
     explicit Option(CLI::Option* option) : option_(option) {}
@@ -30,19 +30,19 @@ public:
     Option type_name(const std::string& name) const;  ///< how --help writes the value
     Option excludes(Option other) const;
     Option needs(Option other) const;
-    Option one_each() const;  ///< of several values: each has the option before it
+    Option one_each() const;  ///< for several values: the option is repeated before each
 
-    // What a value may be; completion offers the words:
+    // Valid values; completion offers the keywords:
     Option one_of(const std::vector<std::string>& words) const;
     template <typename Number>
     Option between(Number least, Number most) const;  ///< of int, std::int64_t or double
-    /// A duration, "2", "500ms" or "2min", within what a deadline can be; the value is in seconds.
+    /// A duration, "2", "500ms" or "2min", within the limits of a deadline; the value is in seconds.
     Option seconds(double least = 0.001, double most = 1e8) const;
     /// A duration of whole milliseconds; a number alone is in milliseconds.
     Option milliseconds(int least, int most) const;
     /// A size, "200", "200MB" or "2GB"; the value is in megabytes.
     Option megabytes(double least, double most) const;
-    /// How pictures travel, as `hive::is_encoding` knows it.
+    /// An image encoding, by `hive::is_encoding`.
     Option encoding() const;
 
 private:
@@ -53,7 +53,7 @@ private:
     CLI::Option* option_;
 };
 
-/// What one verb takes: declared first, then read, or shown by --help and completion.
+/// The command line of one verb: declared first, then parsed, or shown by --help and completion.
 class CommandLine {
 public:
     CommandLine();
@@ -61,27 +61,27 @@ public:
     CommandLine(const CommandLine&) = delete;
     CommandLine& operator=(const CommandLine&) = delete;
 
-    /// An option when `names` begins with a hyphen ("-o,--output"), or else the argument that stands at the next place.
-    /// @param value  of std::string, a number, an optional of one, or std::vector<std::string>; set by read(), until
-    /// when it has to live
+    /// An option if `names` starts with a hyphen ("-o,--output"), otherwise the next positional argument.
+    /// @param value  of std::string, a number, an optional of one, or std::vector<std::string>; set by read(), so it
+    ///               must live until then
     template <typename Value>
     Option option(const std::string& names, Value& value, const std::string& meaning);
     Option flag(const std::string& names, bool& value, const std::string& meaning);
 
-    /// Sets the values; false: help was asked for. Throws UsageError.
+    /// Sets the values; false: help was requested. Throws UsageError.
     [[nodiscard]] bool read(int argc, char** argv);
 
-    /// What is declared, in that order, for --help and completion.
+    /// The declared options and arguments, in order, for --help and completion.
     struct Entry {
         bool positional = false;
         std::string name;                                  ///< of an argument, with "..." if there may be several
         std::vector<std::string> short_names, long_names;  ///< of an option, without hyphens
-        std::string type;                                  ///< of an option's value; empty: it takes none
+        std::string type;                                  ///< of an option's value; empty: no value
         std::string meaning;
-        std::vector<std::string> values;  ///< all that it may be, or the usual ones; empty: not known
+        std::vector<std::string> values;  ///< all valid ones, or the usual ones; empty: unknown
     };
     [[nodiscard]] std::vector<Entry> entries() const;
-    /// The option whose value is the next word; nothing if `word` is none.
+    /// The option whose value is the next argument; nothing if `word` is not an option with a value.
     [[nodiscard]] std::optional<Entry> option_with_value(const std::string& word) const;
 
 private:

@@ -1,4 +1,4 @@
-// The rows of both ends, with the keys of --json.
+// Merges the rows of both ends, with the keys of --json.
 #include "connections.hpp"
 
 #include <hive/connection_ends.hpp>
@@ -28,7 +28,7 @@ const char* state_of(const hive::ConnectionEnds& ends)
     return ends.at_receiver && !ends.at_receiver->connected ? "waiting" : "connected";
 }
 
-/// How the bodies travel: through shared memory, or through the socket; null as long as none did.
+/// The transport of bodies: shared memory or socket; null before the first body.
 hive::Json way_of(const std::optional<EdgeStatus>& edge)
 {
     if (!edge)
@@ -38,7 +38,7 @@ hive::Json way_of(const std::optional<EdgeStatus>& edge)
     return edge->fallback == 0 ? "memory" : "memory, " + std::to_string(edge->fallback) + " by socket";
 }
 
-/// Of what came to the edge, or to its receiver, what the receiver's code has not dealt with and never will.
+/// Events offered to the edge or its receiver that the receiver's code will never process.
 std::int64_t missing(const hive::ConnectionEnds& ends)
 {
     std::int64_t events = 0;
@@ -46,7 +46,7 @@ std::int64_t missing(const hive::ConnectionEnds& ends)
         events += edge->events.of(Fate::dropped) + edge->events.of(Fate::abandoned) + edge->events.lost();
     if (const auto& input = ends.at_receiver)
         events += input->dropped + input->abandoned + input->unmatched
-                  + (ends.options().group.empty() ? input->discarded : 0);  // a member hands back what it discards
+                  + (ends.options().group.empty() ? input->discarded : 0);  // a member returns discarded events
     return events;
 }
 
@@ -108,7 +108,7 @@ void add_receiver_counts(Row& row, const std::optional<InputStatus>& input)
     row.add("clock_offset_us", measured ? hive::Json(input->clock_offset_us) : hive::Json());
 }
 
-/// Null when the present one is wide enough, or when nothing is known of it.
+/// Null if the current one is wide enough or unknown.
 hive::Json window_advised(const hive::ConnectionEnds& ends)
 {
     const auto window =

@@ -1,4 +1,4 @@
-// The connections of a swarm, put together from what both ends say in their status.
+// The connections of a swarm, merged from the statuses of both ends.
 #pragma once
 
 #include "table.hpp"
@@ -9,8 +9,8 @@
 
 namespace hivectl {
 
-/// One row for each connection, and one for each group as a whole, sorted by sender, group and receiver. The keys are
-/// those that `hivectl connections --help` explains. Null where the end that would know does not speak.
+/// One row per connection, and one per group as a whole, sorted by sender, group and receiver. `hivectl connections
+/// --help` explains the keys. A value is null if its end does not answer.
 std::vector<Row> connection_rows(const std::vector<hive::StatusAnswer>& statuses);
 
 }  // namespace hivectl

@@ -14,7 +14,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// A text as a file without a name: dot reads none from its command line.
+/// Puts a text into an anonymous file, because dot accepts none on its command line.
 class Unnamed {
 public:
     explicit Unnamed(const std::string& text) : descriptor_(::memfd_create("graph", MFD_CLOEXEC))

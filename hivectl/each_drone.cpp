@@ -1,4 +1,4 @@
-// One action on each of some drones, counted for the exit code.
+// Runs one action on each of some drones, and derives the exit code.
 #include "each_drone.hpp"
 
 #include "command_line.hpp"

@@ -1,4 +1,4 @@
-// Verbs that do one thing to each of some drones: halt, resume.
+// Verbs that act on each of some drones: halt, resume.
 #pragma once
 
 #include "verb.hpp"
@@ -8,7 +8,7 @@
 namespace hivectl {
 
 /// Declares the argument NAME... and, for each drone it names, does `action` and prints the name.
-/// @param done  what became of it, as a key of --json: "halted"
+/// @param done  the outcome, as a key of --json: "halted"
 Run for_each_drone(CommandLine& line, Session& session, std::string_view verb, std::string_view done,
                    void (hive::Application::*action)(const std::string&));
 

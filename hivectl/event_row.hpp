@@ -1,4 +1,4 @@
-// An event as a program reads it from the shell: one JSON object.
+// Writes an event as one JSON object.
 #pragma once
 
 #include "table.hpp"

@@ -1,4 +1,4 @@
-// What to do about an error at a shell, and the exit code of a verb with several subjects.
+// Advice for errors at a shell, and the exit code of a verb with several subjects.
 #include "exit_code.hpp"
 
 #include "output.hpp"
@@ -18,7 +18,7 @@ bool as_json = false;  ///< failures
 
 struct Entry {
     Errc code;
-    std::string_view advice;  ///< what to do at a shell, with DRONE for its name; empty when only the text can tell
+    std::string_view advice;  ///< a command, with DRONE for the drone's name; empty if only the error text has it
 };
 
 constexpr std::array table{
@@ -53,7 +53,7 @@ constexpr bool in_order()
 static_assert(in_order(), "the table is indexed by the enumerator");
 static_assert(table.size() == static_cast<std::size_t>(Errc::io) + 1);
 
-/// @param subject  "face" or "face.image"; empty: not known
+/// @param subject  "face" or "face.image"; empty: unknown
 std::string usual_advice(Errc code, std::string_view subject)
 {
     constexpr std::string_view place = "DRONE";
@@ -93,7 +93,7 @@ void complain_about(std::string_view verb, const hive::Error& error, std::string
     const auto before = text.find(subject) == std::string_view::npos ? std::string(subject) + ": " : "";
     if (text.find('\n') == std::string_view::npos)
         return complain(verb, printable(before) + explained(error, subject));
-    // The last lines of a log may be among it.
+    // The text may include the last lines of a log.
     std::istringstream lines(before + error.what() + (error.advice().empty() ? "" : "\n" + error.advice()));
     std::string indent;
     for (std::string line; std::getline(lines, line); indent = "  ")

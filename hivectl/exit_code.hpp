@@ -1,4 +1,4 @@
-// What hivectl returns to the shell, and how errors become exit codes and sentences for people.
+// The exit codes of hivectl, and the conversion of errors to exit codes and sentences.
 #pragma once
 
 #include <hive/error.hpp>
@@ -9,10 +9,10 @@
 
 namespace hivectl {
 
-/// The codes a script may rely on.
+/// The codes that scripts can rely on.
 namespace exit_code {
 inline constexpr int done = 0;     ///< confirmed by the other end
-inline constexpr int failure = 1;  ///< anything that is not below
+inline constexpr int failure = 1;  ///< any other failure
 inline constexpr int usage = 2;
 inline constexpr int not_found = 3;    ///< no such drone, port, parameter
 inline constexpr int unreachable = 4;  ///< unreachable or died
@@ -27,16 +27,16 @@ inline constexpr int interrupted = 130;
 
 int exit_code_of(hive::Errc code) noexcept;
 
-/// How to get a drone that does not run: by starting it, when there is a program of its kind.
+/// Advice for a drone that is not running: the command that starts it, if there is a program of its kind.
 std::string advice_for_missing(const std::string& drone);
-/// The error's text and what to do about it, safe to print.
-/// @param subject  the drone or port that it is about, if that is known
+/// The error's text and advice, safe to print.
+/// @param subject  the drone or port that the error concerns, if known
 std::string explained(const hive::Error& error, std::string_view subject = {});
 
 /// From now on, each failure is one line of JSON on stderr, as `hive::failure_in` reads it.
 void print_failures_as_json();
 /// Says on stderr what failed and what to do about it.
-/// @param subject  the drone or port that it is about, if that is known
+/// @param subject  the drone or port that the error concerns, if known
 void complain_about(std::string_view verb, const hive::Error& error, std::string_view subject = {});
 
 /// How something asked of several drones went, drone by drone. Failures go to stderr as they come.

@@ -1,4 +1,4 @@
-// Reading in blocks, so that a file that is too large is refused before it is in memory.
+// Reads in blocks, so that a file that is too large is refused before it is in memory.
 #include "file_text.hpp"
 
 #include "output.hpp"

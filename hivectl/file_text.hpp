@@ -1,4 +1,4 @@
-// Reading a whole file, or what comes on stdin.
+// Reads a whole file or stdin.
 #pragma once
 
 #include <cstddef>
@@ -7,7 +7,7 @@
 namespace hivectl {
 
 /// @param file  "-": stdin
-/// Throws Errc::io when it cannot be read, Errc::too_large for more than `most` bytes.
+/// Throws Errc::io if it cannot be read, Errc::too_large for more than `most` bytes.
 std::string text_of_file(const std::string& file, std::size_t most);
 
 }  // namespace hivectl

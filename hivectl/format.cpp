@@ -1,4 +1,4 @@
-// Durations, sizes, rates and times as texts.
+// Formats durations, sizes, rates and times.
 #include "format.hpp"
 
 #include <algorithm>

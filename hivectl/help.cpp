@@ -1,4 +1,4 @@
-// Laying out help: usage, what it does, arguments, options, examples.
+// Lays out help: usage, description, arguments, options, examples.
 #include "help.hpp"
 
 #include "command_line.hpp"
@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t line_width = 80;
 
-/// What stands between empty lines is wrapped by itself.
+/// Wraps each paragraph by itself.
 std::string paragraphs(std::string_view text)
 {
     const auto end = text.find("\n\n");

@@ -8,7 +8,7 @@
 
 namespace hivectl {
 
-/// All verbs by group, and where to go on.
+/// All verbs by group, and where to read more.
 std::string overview(const std::vector<Verb>& all);
 /// Everything about one verb; `line` has its options declared.
 std::string help_of(const Verb& verb, const CommandLine& line);

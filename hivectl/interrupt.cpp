@@ -18,9 +18,9 @@ namespace hivectl::interrupt {
 namespace {
 
 // Read and written in a signal handler: lock-free, and nothing else.
-std::atomic<int> deferred{0};              // how many Deferred live
+std::atomic<int> deferred{0};              // number of live Deferred
 std::atomic<int> first{0};                 // the first signal
-std::atomic<std::int64_t> first_at_ns{0};  // when it came
+std::atomic<std::int64_t> first_at_ns{0};  // its time
 std::atomic<int> wake_up{-1};              // an eventfd, readable from then on
 static_assert(std::atomic<std::int64_t>::is_always_lock_free && std::atomic<int>::is_always_lock_free);
 

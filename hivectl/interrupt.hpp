@@ -1,15 +1,14 @@
-// Ctrl-C, and a terminal that goes away: ends at once with 128 + signal (130), unless a verb has something to put in
-// order first.
+// Ctrl-C and a closed terminal: exits at once with 128 + signal (130), unless a verb must clean up first.
 #pragma once
 
 #include <chrono>
 
 namespace hivectl::interrupt {
 
-/// Installs the handler; leaves signals ignored where the shell wants it so (background jobs of scripts).
+/// Installs the handler; keeps signals ignored if the shell ignores them (background jobs of scripts).
 void install();
-/// While one lives, the first Ctrl-C only makes requested() true; the second still ends at once. What comes within 200
-/// ms of the first is no second: timeout(1) signals the process and then its group.
+/// While one lives, the first Ctrl-C only makes requested() true; the second still exits at once. One within 200 ms of
+/// the first does not count: timeout(1) signals the process and then its group.
 class Deferred {
 public:
     Deferred();
@@ -20,9 +19,9 @@ public:
 /// As a Deferred that lives until the process exits: whatever the verb has done by then decides its exit code.
 void defer_until_exit();
 bool requested();
-/// 128 + the signal that came; 130 if none did.
+/// 128 + the received signal; 130 without one.
 int exit_code();
-/// The process exits with exit_code() after this many seconds, whatever it does then.
+/// Makes the process exit with exit_code() after this many seconds, whatever it is doing.
 void exit_after(unsigned seconds);
 /// Sleeps until Ctrl-C; false when it was pressed.
 bool sleep(std::chrono::milliseconds duration);

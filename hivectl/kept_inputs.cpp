@@ -17,14 +17,14 @@
 namespace hivectl {
 namespace {
 
-/// Body and extension; raw pixels that are none of 8 bits stay as they are.
+/// Body and extension; raw pixels other than 8 bit are not converted.
 std::pair<hive::Body, std::string> as_file(const hive::Event& event)
 {
     try {
         if (event.type == "image/raw")
             return {png_of(event.header, event.body), ".png"};
     } catch (const hive::Error&) {
-        // The drone may have failed at just this.
+        // The drone may have failed because the image is invalid.
     }
     const auto ending = ending_of(event.type);
     return {event.body, ending.empty() || ending == ".json" ? ".bin" : ending};

@@ -1,4 +1,4 @@
-// The inputs that drones failed at, as rows of a table and as files.
+// The inputs at which drones failed, as rows of a table and as files.
 #pragma once
 
 #include "table.hpp"
@@ -13,11 +13,11 @@ namespace hivectl {
 
 /// As `hivectl exceptions` prints it. "seq" and "source" are those of its first input.
 Row failure_row(const hive::KeptFailure& failure);
-/// Writes each input as a file that other programs open, where its body is one, with its header and the failure beside
-/// it: face-3.image.jpg and face-3.image.json, for their user alone.
+/// Writes the body of each input as a file that other programs can open, if possible, with its header and the failure
+/// next to it: face-3.image.jpg and face-3.image.json, readable by the user alone.
 /// @param failure  with bodies
 /// @return         the files, without the directory
-/// @throws Error   refused: a file of this name is there, and nothing was written over; io
+/// @throws Error   refused: a file of this name exists, and nothing was overwritten; io
 std::vector<std::string> save_failure(const hive::KeptFailure& failure, const std::filesystem::path& directory);
 
 }  // namespace hivectl

@@ -1,4 +1,4 @@
-// What a verb says while a drone starts, and once it is ready.
+// Messages of a verb while a drone starts, and once it is ready.
 #include "launch.hpp"
 
 #include "command_line.hpp"
@@ -50,7 +50,7 @@ hive::StartOptions start_options(const Session& session, const std::string& verb
 int start_in_background(Session& session, const hive::StartOptions& options,
                         hive::Started (*start)(hive::Application&, hive::StartOptions))
 {
-    interrupt::defer_until_exit();  // a drone that runs and an exit code of 130 would contradict each other
+    interrupt::defer_until_exit();  // an exit code of 130 would hide that the drone is running
     auto& application = session.application();
     std::optional<Waiting> waiting(options.drone.name + " to be ready" + (options.ssh.empty() ? "" : " on ")
                                    + options.ssh);

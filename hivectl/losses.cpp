@@ -1,4 +1,4 @@
-// Each sender counts what became of the events for each of its receivers.
+// Each sender counts the fates of events per receiver.
 #include "losses.hpp"
 
 #include "format.hpp"
@@ -30,7 +30,7 @@ constexpr std::array reasons{
 
 bool is_lost(Fate fate) { return fate >= Fate::lost_connection; }
 
-/// How many of the events that the sender has no acknowledgement of are here.
+/// The number of events that have arrived here without an acknowledgement at the sender.
 std::int64_t arrived_unseen(const hive::Ledger& events, const hive::InputStatus& here)
 {
     return std::max<std::int64_t>(0, here.received - events.of(Fate::acknowledged) - events.in_flight());
@@ -42,7 +42,7 @@ hive::Endpoint endpoint_of(const hive::InputStatus& input)
     return {input.input.substr(0, dot), input.input.substr(dot + 1)};
 }
 
-/// The row of this registration at its sender, null: the sender does not answer, or was started again since.
+/// The row of this registration at its sender, null: the sender does not answer or was restarted.
 const hive::EdgeStatus* row_of(const std::string& receiver, const hive::InputStatus& here,
                                const std::vector<hive::StatusAnswer>& senders)
 {

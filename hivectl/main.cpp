@@ -55,7 +55,7 @@ int dispatch(int argc, char** argv)
 {
     const auto all = verbs();
     if (std::any_of(argv, argv + argc, [](const char* text) { return std::string_view(text) == "--json"; }))
-        print_failures_as_json();  // also those of reading the command line
+        print_failures_as_json();  // also usage errors
     const std::string word = argc > 1 ? argv[1] : "";
     if (word == "--version") {
         write_out("hivectl " HIVECTL_VERSION " (protocol " + std::to_string(hive::protocol_version()) + ")\n");
@@ -73,7 +73,7 @@ int dispatch(int argc, char** argv)
 }  // namespace hivectl
 
 /// A standard descriptor that is closed at the start would become the number of a socket or file, which would then get
-/// our text. Opens it the wrong way around, so that using it fails.
+/// our output. Opens it in the wrong mode, so that using it fails.
 static void take_standard_descriptors()
 {
     for (const int descriptor : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
@@ -84,8 +84,8 @@ static void take_standard_descriptors()
 int main(int argc, char** argv)
 {
     take_standard_descriptors();
-    std::signal(SIGCHLD, SIG_DFL);  // where it is ignored, every child seems to have ended well
-    std::signal(SIGPIPE, SIG_IGN);  // write_out notices; a peer that goes away must not end us
+    std::signal(SIGCHLD, SIG_DFL);  // if ignored, every child would seem to succeed
+    std::signal(SIGPIPE, SIG_IGN);  // write_out handles it; a closing peer must not kill us
     hivectl::interrupt::install();
     try {
         return hivectl::dispatch(argc, argv);

@@ -1,4 +1,4 @@
-// The table of endings.
+// The table of extensions.
 #include "media_type.hpp"
 
 #include <algorithm>

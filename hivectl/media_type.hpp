@@ -1,4 +1,4 @@
-// File endings and the media types they stand for.
+// Maps file extensions to media types.
 #pragma once
 
 #include <filesystem>
@@ -7,11 +7,11 @@
 
 namespace hivectl {
 
-/// "image/jpeg" for "a.JPG"; empty for an ending that is not known.
+/// "image/jpeg" for "a.JPG"; empty for an unknown extension.
 std::string media_type_of(const std::filesystem::path& file);
-/// ".jpg" of "image/jpeg"; empty for a type that is not known.
+/// ".jpg" of "image/jpeg"; empty for an unknown type.
 std::string ending_of(std::string_view type);
-/// True when the ending stands for that type, or when the ending or the type says nothing.
+/// Does the extension match the type? True if either is unknown.
 bool ending_fits(const std::filesystem::path& file, std::string_view type);
 
 }  // namespace hivectl

@@ -1,11 +1,12 @@
-// Checks who asks, then asks the drones.
+// Checks the client, then queries the drones.
 #include "metrics_site.hpp"
 
 namespace hivectl {
 
 using hive::http::Answer, hive::http::sentence;
 
-/// With --insecure the server is reached by any name, such as that of a container.
+/// Without a token, a server at a loopback address checks the host against DNS rebinding. Elsewhere (--insecure) any
+/// name is valid, such as that of a container.
 std::optional<Answer> MetricsSite::refusal(const hive::http::Request& request, const hive::http::Visit& visit) const
 {
     if (hive::http::Pass::cross_site(request))
@@ -19,7 +20,7 @@ std::optional<Answer> MetricsSite::refusal(const hive::http::Request& request, c
     return std::nullopt;
 }
 
-/// Clients that ask again and again do not make the drones answer as often.
+/// Caches for 100 ms, so that frequent requests do not load the drones.
 const hive::Metrics& MetricsSite::newest(hive::http::Clock::time_point now)
 {
     constexpr std::chrono::milliseconds fresh{100};

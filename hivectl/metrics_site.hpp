@@ -7,13 +7,13 @@
 
 namespace hivectl {
 
-/// Asks the drones on the thread of its server: the next scraper waits as long as one answer takes, which the timeout
-/// of the application limits.
+/// Queries the drones on the thread of its server, so the next scraper waits for that, at most the application's
+/// timeout.
 class MetricsSite final : public hive::http::Site {
 public:
-    /// @param application  used by nobody else as long as there is a server
-    /// @param open  whether no token is needed; then only a request whose host is an address of this server is
-    /// answered, so that no page of another site can read
+    /// @param application  not used elsewhere while there is a server
+    /// @param open         no token is needed. At a loopback address the host of a request must then be an address of
+    ///                     this server, so that no page of another site can read.
     MetricsSite(hive::Application& application, bool open) : application_(application), open_(open) {}
 
 private:

@@ -1,4 +1,4 @@
-// Writing to the two streams.
+// Writes to stdout and stderr.
 #include "output.hpp"
 
 #include "status_line.hpp"
@@ -50,7 +50,7 @@ void complain(std::string_view verb, std::string_view text)
 void write_error(std::string_view text)
 {
     const status_line::Interruption interruption;
-    // Nobody is left to be told when stderr fails.
+    // A failure of stderr cannot be reported.
     [[maybe_unused]] const auto written = ::write(STDERR_FILENO, text.data(), text.size());
 }
 

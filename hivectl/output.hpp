@@ -1,4 +1,4 @@
-// stdout for data and stderr for people; nothing that came from elsewhere can steer the terminal.
+// stdout for data and stderr for people; remote text cannot control the terminal.
 #pragma once
 
 #include <hive/json.hpp>
@@ -9,10 +9,10 @@
 
 namespace hivectl {
 
-/// Writes to stdout at once. A reader that has gone ends the process quietly, as SIGPIPE does; another failure is
-/// Errc::io.
+/// Writes to stdout without buffering. If the reader has closed it, the process exits quietly, as by SIGPIPE; another
+/// failure is Errc::io.
 void write_out(std::string_view text);
-/// Writes to stderr at once.
+/// Writes to stderr without buffering.
 void write_error(std::string_view text);
 /// One line on stderr: "hivectl VERB: text".
 void complain(std::string_view verb, std::string_view text);
@@ -22,7 +22,7 @@ bool on_terminal();
 using hive::printable;
 /// One JSON text without line ends, in which every control character is an escape.
 std::string json_text(const hive::Json& value);
-/// A value as the shell wants it: texts bare, everything else as JSON. On a terminal it is made printable.
+/// A value for the shell: texts bare, everything else as JSON; made printable on a terminal.
 std::string bare(const hive::Json& value);
 
 }  // namespace hivectl

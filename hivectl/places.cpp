@@ -1,4 +1,4 @@
-// Words for places.
+// Formats places.
 #include "places.hpp"
 
 #include "format.hpp"

@@ -1,4 +1,4 @@
-// Where drones are, in words.
+// Describes places of drones for people.
 #pragma once
 
 #include <hive/application.hpp>
@@ -13,7 +13,7 @@ std::string host_of(const std::string& address);
 bool is_elsewhere(const hive::Place& place);
 /// "tcp://cam1:7700 (cam1)"
 std::string place_text(const hive::Place& place);
-/// How long ago it answered: "answered 3 min ago".
+/// The time of its last answer: "answered 3 min ago".
 std::string answered_text(const hive::Place& place);
 
 }  // namespace hivectl

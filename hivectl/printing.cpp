@@ -1,4 +1,4 @@
-// The loop of the verbs that print what comes.
+// The loop of the verbs that print events.
 #include "printing.hpp"
 
 #include "exit_code.hpp"

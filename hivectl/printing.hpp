@@ -1,4 +1,4 @@
-// Printing what comes, line by line, until there was enough of it.
+// Prints incoming lines until a count or an end is reached.
 #pragma once
 
 #include <chrono>
@@ -10,22 +10,22 @@
 namespace hivectl {
 
 struct PrintUntil {
-    std::string verb;                                        ///< complaints name it
-    std::int64_t count = 0;                                  ///< lines; 0: without end
-    std::optional<std::chrono::milliseconds> patience = {};  ///< nothing comes for this long; empty: wait for ever
-    std::function<std::string()> reason = {};  ///< asked when nothing comes: what may be the cause, or what to look at
-    /// Asked when nothing comes: what is said about the end, if everything has ended. Empty: it goes on all the same.
+    std::string verb;                                        ///< for messages
+    std::int64_t count = 0;                                  ///< lines; 0: unlimited
+    std::optional<std::chrono::milliseconds> patience = {};  ///< give up after this long without a line; empty: never
+    std::function<std::string()> reason = {};  ///< called when nothing arrives: the likely cause, or a command
+    /// Called when nothing arrives: the missing events, if everything has ended. Empty: continue anyway.
     std::function<std::optional<std::string>()> ended = {};
-    std::string what = {};  ///< for the status line: what comes
-    /// Called once in each silence of a few seconds.
+    std::string what = {};  ///< for the status line: the kind of lines
+    /// Called once per silence of a few seconds.
     std::function<void()> silence = {};
 };
 
-/// The exit code of a verb whose sources have ended; what is lacking is said on stderr.
+/// The exit code of a verb whose sources have ended; prints what is missing on stderr.
 int exit_code_at_end(const std::string& verb, const std::string& text);
 
-/// Prints the lines that `next` gives, which waits no longer than it is told; until that, or Ctrl-C, or the end of
-/// everything. Returns the exit code.
+/// Prints the lines of `next`, which blocks at most the given time, until the count, Ctrl-C or the end of all sources.
+/// Returns the exit code.
 int print_lines(const PrintUntil& until,
                 const std::function<std::optional<std::string>(std::chrono::milliseconds)>& next);
 

@@ -1,4 +1,4 @@
-// The rate is that of the last second, smoothed; what the sources have in all is asked of them.
+// Shows the smoothed rate of the last second; queries the total from the sources.
 #include "progress.hpp"
 
 #include "format.hpp"
@@ -44,7 +44,7 @@ void Progress::note(const hive::Identity& identity)
     Place& place = places_[identity.source];
     if (identity.epoch < place.epoch)
         return;
-    const bool first = identity.epoch > place.epoch;  // what was there before is not work
+    const bool first = identity.epoch > place.epoch;  // an earlier position is not work
     work_ += first ? 1 : std::max<std::int64_t>(0, identity.sequence - place.sequence);
     place = {identity.epoch, first ? identity.sequence : std::max(place.sequence, identity.sequence)};
     advance(identity.source, place.sequence);
@@ -75,7 +75,7 @@ void Progress::show()
     status_line::show(progress_text(all > 0 ? done_ : work_, all, per_second_));
 }
 
-/// Asked once; a source that does not answer in time has no number.
+/// Queried once; a source that does not answer in time has no total.
 std::int64_t Progress::all_of(const std::string& source)
 {
     const auto [place, fresh] = all_.try_emplace(source, 0);

@@ -1,4 +1,4 @@
-// Differences of counters, drone by drone and connection by connection.
+// Computes differences of counters per drone and connection.
 #include "rates.hpp"
 
 #include "connections.hpp"
@@ -11,7 +11,7 @@
 namespace hivectl {
 namespace {
 
-/// The status of a drone before, when it is the same run of it; otherwise nullptr.
+/// The earlier status of a drone, if it is the same run; otherwise nullptr.
 const hive::Status* same_run(const std::vector<hive::StatusAnswer>& earlier, const hive::StatusAnswer& now)
 {
     const auto found = std::ranges::find(earlier, now.drone, &hive::StatusAnswer::drone);
@@ -19,7 +19,7 @@ const hive::Status* same_run(const std::vector<hive::StatusAnswer>& earlier, con
     return same ? &found->status : nullptr;
 }
 
-/// Events that its code has dealt with, well or not.
+/// Events that its code has processed, with success or not.
 std::int64_t processed(const hive::Status& status)
 {
     std::int64_t sum = 0;
@@ -57,7 +57,7 @@ Row drone_row(const hive::StatusAnswer& answer, const hive::Status* before, std:
     Row row{{"name", answer.drone}, {"state", answer.error ? "silent" : token(now.state)}};
     if (answer.error || !before)
         return row;
-    // By the drone's own clock, so that it does not matter when its answer came.
+    // By the drone's own clock, so that the arrival time of its answer does not matter.
     const auto lived = std::max<std::int64_t>(1, now.uptime_us - before->uptime_us);
     row.add("in_per_s", per_second(processed(now) - processed(*before), interval));
     row.add("out_per_s", per_second(sent(now) - sent(*before), interval));
@@ -70,7 +70,7 @@ Row drone_row(const hive::StatusAnswer& answer, const hive::Status* before, std:
     return row.add("age_us", age > 0 ? hive::Json(age) : hive::Json());
 }
 
-/// Marks the busiest of those that processed something.
+/// Marks the busiest drone of those that processed events.
 void mark_slowest(std::vector<Row>& rows)
 {
     Row* slowest = nullptr;
@@ -81,7 +81,7 @@ void mark_slowest(std::vector<Row>& rows)
         slowest->add("slowest", true);
 }
 
-/// A rate of one counter; null when the connection is new or began anew.
+/// The rate of one counter; null if the connection is new or was restarted.
 hive::Json rate(const Row* before, const Row& now, std::string_view key, std::chrono::nanoseconds interval)
 {
     if (!before || (*before)[key].is_null() || now[key].is_null() || now.number(key) < before->number(key))
@@ -89,12 +89,12 @@ hive::Json rate(const Row* before, const Row& now, std::string_view key, std::ch
     return per_second(static_cast<std::int64_t>(now.number(key) - before->number(key)), interval);
 }
 
-/// What an edge counts that has a rate; the second half are events that somebody misses.
+/// The counters of an edge that are shown as rates; the second half are losses.
 constexpr std::array<std::string_view, 4> calm{"acknowledged", "skipped", "passed_on", "duplicates"};
 constexpr std::array<std::string_view, 5> losses{"dropped", "abandoned", "lost", "dropped_by_receiver",
                                                  "abandoned_by_receiver"};
 
-/// Clocks that are so far apart deserve a look: null when they are not.
+/// The clock offset if it is large; otherwise null.
 hive::Json skew(const Row& edge)
 {
     constexpr double noticeable_us = 100'000;
@@ -118,7 +118,7 @@ Row edge_row(const Row* before, const Row& now, std::chrono::nanoseconds interva
     return losing ? row.add("losing", true) : row;
 }
 
-/// The row of the same edge: receivers of one name are told apart by their place among them.
+/// The row of the same edge: receivers of one name are distinguished by their order.
 const Row* earlier_row(const std::vector<Row>& before, const std::vector<Row>& now, const Row& row)
 {
     const auto same = [&](const Row& other) { return other["from"] == row["from"] && other["to"] == row["to"]; };

@@ -1,4 +1,4 @@
-// Raw pixels as a file that every viewer opens.
+// Converts raw pixels to a file that every viewer opens.
 #pragma once
 
 #include <hive/body.hpp>
@@ -7,7 +7,7 @@
 namespace hivectl {
 
 /// The PNG of an image/raw of 8 bits per channel.
-/// @throws Error  malformed: header and body do not fit; unsupported: pixels of another format
+/// @throws Error  malformed: header and body do not match; unsupported: another pixel format
 hive::Body png_of(const hive::Json& header, const hive::Body& pixels);
 
 }  // namespace hivectl

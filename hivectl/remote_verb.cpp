@@ -1,4 +1,4 @@
-// Has the hivectl of another machine do what this one cannot.
+// Runs verbs with the hivectl of another machine.
 #include "remote_verb.hpp"
 
 #include "exit_code.hpp"

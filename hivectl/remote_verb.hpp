@@ -1,4 +1,4 @@
-// Verbs for drones on other machines, through ssh.
+// Verbs for drones on other machines, over ssh.
 #pragma once
 
 #include <hive/application.hpp>
@@ -10,10 +10,10 @@ namespace hivectl {
 
 class Session;
 
-/// Ends a drone that was started through ssh and does not answer here, or has it forgotten if it crashed. Returns the
-/// exit code of hivectl there.
+/// Stops a drone that was started over ssh and does not answer here, or discards its state there if it crashed. Returns
+/// the exit code of hivectl there.
 int stop_remotely(Session& session, const hive::Place& place);
-/// Lines of another machine's stderr, each with the machine's name before it, without what hivectl puts there.
+/// Prints lines of another machine's stderr, each after the machine's name and without the prefix of hivectl.
 void repeat_complaints(std::string_view verb, const std::string& host, const std::string& text);
 
 }  // namespace hivectl

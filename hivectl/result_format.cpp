@@ -32,7 +32,7 @@ void make_folder(const fs::path& folder)
         throw hive::Error(hive::Errc::io, "cannot create " + folder.string() + ": " + error.message());
 }
 
-/// The next command: the header says which columns there can be.
+/// The next command: the header shows the available columns.
 std::string field_advice(const hive::Json& header)
 {
     constexpr std::size_t max_fields = 6;

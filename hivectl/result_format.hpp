@@ -1,4 +1,4 @@
-// Results in the form that --as names: lines to print, and files in a folder.
+// Results in the form of --as: lines to print, and files in a folder.
 #pragma once
 
 #include <hive/recording/dataset.hpp>
@@ -13,16 +13,17 @@ namespace hivectl {
 class ResultFormat {
 public:
     /// @param form    "json", "csv", "coco" or "yolo"
-    /// @param folder  for coco and yolo: does not exist yet, or is empty
-    /// @param fields  for csv: of the header, instead of boxes; "": boxes
-    /// @throws Error  invalid_argument: they do not fit; refused: a folder with something in it
+    /// @param folder  for coco and yolo: must be new or empty
+    /// @param fields  for csv: fields of the header, instead of boxes; "": boxes
+    /// @throws Error  invalid_argument: they contradict each other; refused: the folder is not empty
     ResultFormat(std::string form, const std::string& folder, const std::string& fields);
 
-    /// What to print for this event, perhaps nothing. Throws Errc::refused for an event that the form cannot hold.
+    /// The text to print for this event, possibly empty. Throws Errc::refused for an event that the form cannot
+    /// represent.
     std::string text(const hive::Event& event);
-    /// Is there anything for the files?
+    /// Is there content for the files?
     [[nodiscard]] bool has_images() const { return dataset_.size() > 0; }
-    /// Writes the files, and says on stderr what a table lacks. Throws Errc::io.
+    /// Writes the files, and prints missing columns on stderr. Throws Errc::io.
     void finish() const;
 
 private:

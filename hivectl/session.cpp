@@ -1,4 +1,4 @@
-// The common flags as values, and the lazily made application.
+// The values of the common flags, and the lazily created application.
 #include "session.hpp"
 
 #include "exit_code.hpp"

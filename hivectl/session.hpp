@@ -1,4 +1,4 @@
-// What every verb shares: the common flags and the one application, made when it is first needed.
+// The shared part of all verbs: the common flags, and one application, created on first use.
 #pragma once
 
 #include "status_line.hpp"
@@ -20,20 +20,20 @@ public:
     std::optional<double> timeout_s;  ///< --timeout
 
     [[nodiscard]] Form form() const { return json ? Form::json : wide ? Form::wide : Form::fitted; }
-    /// What --timeout said, or the verb's own default.
+    /// The value of --timeout, or the verb's own default.
     [[nodiscard]] std::chrono::milliseconds timeout(std::chrono::milliseconds fallback = std::chrono::seconds(5)) const;
-    /// What --timeout said; nothing: wait for ever.
+    /// The value of --timeout; nothing: no limit.
     [[nodiscard]] std::optional<std::chrono::milliseconds> patience() const
     {
         return timeout_s ? std::optional(timeout()) : std::nullopt;
     }
-    /// Joins the swarm at the first call; --help and usage errors never come this far.
+    /// Created at the first call; --help and usage errors never get here.
     hive::Application& application(std::chrono::milliseconds fallback = std::chrono::seconds(5));
-    /// Where the drones of this machine meet; always absolute.
+    /// The home, as an absolute path.
     [[nodiscard]] std::filesystem::path home() const;
 
 private:
-    std::optional<Waiting> waiting_;  ///< until the verb has something to say
+    std::optional<Waiting> waiting_;  ///< until the verb prints
     std::unique_ptr<hive::Application> application_;
 };
 

@@ -1,4 +1,4 @@
-// Reading and printing key=value.
+// Parses and prints key=value.
 #include "settings.hpp"
 
 #include "output.hpp"

@@ -9,12 +9,12 @@
 namespace hivectl {
 
 /// {"scale":"1.05"} from {"scale=1.05"}; values stay texts, the drone parses them by its declared type. Throws
-/// Errc::invalid_argument on a word without '=', a key that is no name, and a key given twice.
+/// Errc::invalid_argument for an argument without '=', an invalid key, and a repeated key.
 hive::Json parse_settings(const std::vector<std::string>& words);
 
-/// Values for people: the bare value when there is one, otherwise a line key=value for each.
+/// Values for people: a single value bare, several as lines key=value.
 std::string settings_text(const hive::Json& values);
-/// A line "drone key=value" for each, for answers of several drones.
+/// Answers of several drones, as lines "drone key=value".
 std::string settings_text(const std::string& drone, const hive::Json& values);
 
 }  // namespace hivectl

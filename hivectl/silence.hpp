@@ -1,4 +1,4 @@
-// What a verb that gets nothing says.
+// Explains why a verb receives nothing.
 #pragma once
 
 #include <hive/explain.hpp>
@@ -8,13 +8,13 @@
 
 namespace hivectl {
 
-/// Why nothing comes from the outputs, asked for half a second at a time: the command is printing meanwhile.
+/// Runs explain for the outputs, at most half a second at a time: the command keeps printing meanwhile.
 hive::Explanation explain_silence(hive::Application& application, const std::vector<hive::Endpoint>& outputs);
 
-/// In words: "camera has halted; try: hivectl resume camera", or where to look if nothing is found.
+/// As a sentence: "camera has halted; try: hivectl resume camera", or where to look if no cause is found.
 std::string reason_for_silence(hive::Application& application, const std::vector<hive::Endpoint>& outputs);
 
-/// Prints on stderr what holds the outputs up, if anything does.
+/// Prints on stderr what blocks the outputs, if anything does.
 void report_silence(const std::string& verb, hive::Application& application,
                     const std::vector<hive::Endpoint>& outputs);
 

@@ -1,4 +1,4 @@
-// One line on stderr, on a terminal only, that says what is going on and erases itself.
+// One line on stderr, only on a terminal, that shows the current activity and is erased afterwards.
 #pragma once
 
 #include <chrono>
@@ -12,15 +12,15 @@
 namespace hivectl {
 
 namespace status_line {
-/// Is stderr a terminal that can erase? Otherwise nothing is ever shown.
+/// Is stderr a terminal that can erase? Otherwise the line is never shown.
 bool possible();
-/// Shows the text in place of what is shown, shortened to the terminal.
+/// Replaces the line, shortened to the width of the terminal.
 void show(std::string_view text);
-/// The verb prints or says what it waits for: the line of a first Waiting goes, and stays away.
+/// Call it when the verb prints or shows what it waits for: ends the line of a first Waiting for good.
 void take_over() noexcept;
 /// Safe in a signal handler.
 void erase() noexcept;
-/// While one lives, something else is printed: the line is erased, and not shown again meanwhile.
+/// Erases the line during its lifetime, while something else is printed.
 class Interruption {
 public:
     Interruption();
@@ -30,23 +30,23 @@ private:
 };
 }  // namespace status_line
 
-/// "camera, face and 3 more"; of none: "the swarm".
+/// "camera, face and 3 more"; for none: "the swarm".
 std::string names_text(const std::vector<std::string>& names);
 
-/// While one lives: after a second, what is waited for and since when.
+/// During its lifetime, after a second, shows what the verb waits for and how long.
 class Waiting {
 public:
     enum class Turn { first, own };
-    /// @param what  follows "waiting for"; empty: nothing is shown
-    /// @param turn  first: only until something else is shown or printed
+    /// @param what  follows "waiting for"; empty: shows nothing
+    /// @param turn  first: ends once something else is shown or printed
     explicit Waiting(std::string what, Turn turn = Turn::own);
     ~Waiting();
     Waiting(const Waiting&) = delete;
     Waiting& operator=(const Waiting&) = delete;
 
-    /// It is still waiting, but for something else.
+    /// Changes what it waits for.
     void now_for(std::string what);
-    /// What was waited for has come: it is waiting since now.
+    /// Restarts the waiting time: the awaited event has arrived.
     void again();
 
 private:
@@ -61,7 +61,7 @@ private:
     Turn turn_;
     Clock::time_point since_ = Clock::now();
     bool shown_ = false;
-    std::jthread thread_;  ///< since the calls that wait do not return meanwhile
+    std::jthread thread_;  ///< because the waiting calls block
 };
 
 }  // namespace hivectl

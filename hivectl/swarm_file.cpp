@@ -1,4 +1,4 @@
-// Sentences about swarm files.
+// Reads swarm files for verbs, and prints their errors.
 #include "swarm_file.hpp"
 
 #include "command_line.hpp"
@@ -14,7 +14,7 @@
 namespace hivectl {
 namespace {
 
-constexpr std::size_t most_bytes = 16 << 20;  // the reader takes no more
+constexpr std::size_t most_bytes = 16 << 20;  // the limit of the reader
 
 std::string counted(std::size_t number, const std::string& what)
 {

@@ -1,4 +1,4 @@
-// A swarm file as verbs see it: read from a file or stdin, its mistakes printed as compilers do.
+// Reads a swarm file from a file or stdin, and prints its errors in the style of compilers.
 #pragma once
 
 #include <hive/swarm_plan.hpp>
@@ -13,7 +13,7 @@ namespace hivectl {
 
 class CommandLine;
 
-/// A swarm file as it is meant on a command line.
+/// A swarm file as a command line names it.
 struct SwarmInput {
     std::string file;                   ///< "-": stdin
     std::vector<std::string> settings;  ///< --set: values of its variables
@@ -21,14 +21,14 @@ struct SwarmInput {
 /// Declares --set.
 void declare_variables(CommandLine& line, SwarmInput& input);
 
-/// @param to_be_started  also looks for the keys that its drones need here
+/// @param to_be_started  also checks the keys that its drones need here
 hive::SwarmReading swarm_reading(const SwarmInput& input, std::chrono::milliseconds limit, bool to_be_started = false);
-/// "doorway.json:3:14: text; advice", as editors jump to it.
+/// "doorway.json:3:14: text; advice", the form to which editors can jump.
 std::string mistake_text(const std::string& file, const hive::Mistake& mistake);
 /// "7 drones on 3 machines, 6 connections"
 std::string size_text(const hive::SwarmPlan& plan);
 
-/// What the file says; nothing when it has mistakes: they are on stderr then.
+/// The plan of the file; nothing if it has errors, which are printed on stderr.
 std::optional<hive::SwarmPlan> read_plan(std::string_view verb, const SwarmInput& input, bool to_be_started = false);
 
 }  // namespace hivectl

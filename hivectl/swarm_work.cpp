@@ -1,4 +1,4 @@
-// One line of progress, and the failures drone by drone.
+// Prints one line of progress, and the failures per drone.
 #include "swarm_work.hpp"
 
 #include "exit_code.hpp"

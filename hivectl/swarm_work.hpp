@@ -1,4 +1,4 @@
-// How a verb goes along with work on a whole swarm: progress on a terminal, Ctrl-C, and what came of it.
+// Progress, cancellation and result of a verb's work on a whole swarm.
 #pragma once
 
 #include "interrupt.hpp"
@@ -11,8 +11,7 @@
 
 namespace hivectl {
 
-/// The first Ctrl-C undoes what was begun. On a terminal, the status line says how far it is and for which drones it
-/// waits.
+/// The first Ctrl-C rolls back. On a terminal, the status line shows the progress and the drones that it waits for.
 class SwarmWork {
 public:
     explicit SwarmWork(const std::string& verb);
@@ -28,7 +27,7 @@ private:
     Waiting waiting_{drones_};
 };
 
-/// Says on stderr what failed and what remains of it. Returns the exit code.
+/// Prints failures and remains on stderr. Returns the exit code.
 int complain_about(std::string_view verb, const hive::SwarmOutcome& outcome);
 
 }  // namespace hivectl

@@ -1,4 +1,4 @@
-// Laying out rows in columns.
+// Lays out rows in columns.
 #include "table.hpp"
 
 #include "output.hpp"
@@ -14,7 +14,7 @@ std::string cell(const Column& column, const hive::Json& value)
 {
     std::string text;
     if (value.is_null())
-        return column.title.empty() ? "" : "-";  // a column of marks is empty where there is none
+        return column.title.empty() ? "" : "-";  // an empty cell of a column of marks stays empty
     else if (column.format)
         text = column.format(value);
     else
@@ -22,7 +22,7 @@ std::string cell(const Column& column, const hive::Json& value)
     return text.empty() ? "-" : printable(text);
 }
 
-/// Does any row say something in this column?
+/// Has any row a value in this column?
 bool tells(const Column& column, const std::vector<Row>& rows)
 {
     if (column.usual.empty())
@@ -33,7 +33,7 @@ bool tells(const Column& column, const std::vector<Row>& rows)
     });
 }
 
-/// The cells as texts, the titles first, and how each column is laid out.
+/// The cells as texts, the titles first, and the layout of each column.
 struct Grid {
     std::vector<Column> columns;
     std::vector<std::vector<std::string>> lines;
@@ -62,7 +62,7 @@ Grid grid_of(const std::vector<Column>& all_columns, const std::vector<Row>& row
 
 constexpr std::size_t gap = 2;
 
-/// Narrows the widest text columns; the first stays, since it names the row. False: that is not enough.
+/// Narrows the widest text columns; the first stays, since it names the row. False: still too wide.
 bool fit(Grid& grid, std::size_t columns)
 {
     constexpr std::size_t min_text = 20;
@@ -99,8 +99,8 @@ std::string line_text(const Grid& grid, const std::vector<std::string>& cells, c
     return text + "\n";
 }
 
-/// A record for each row: its first cell, then its other cells with their titles, except those that say nothing. A
-/// field that is longer than a line is broken between words.
+/// One record per row: its first cell, then its other non-empty cells with their titles. A field that is longer than a
+/// line is broken between words.
 std::string record_text(const Grid& grid, const std::vector<std::string>& cells, const Row& row, const Page& page)
 {
     std::string text = painted(grid.columns[0], &row, cells[0], page);

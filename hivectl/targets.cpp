@@ -1,4 +1,4 @@
-// Expanding globs and inferring ports.
+// Expands globs and infers ports.
 #include "targets.hpp"
 
 #include "status_line.hpp"
@@ -17,7 +17,7 @@ void add_new(std::vector<hive::Endpoint>& endpoints, std::vector<hive::Endpoint>
             endpoints.push_back(std::move(end));
 }
 
-/// "face-*.image": the part behind the last dot may be a port or belong to the name; what fits a drone as a whole wins.
+/// "face-*.image": the part after the last dot may be a port or belong to the name; a match of a whole drone name wins.
 std::vector<hive::Endpoint> matching(hive::Application& application, const std::string& pattern)
 {
     const auto running = application.drones();
@@ -122,7 +122,7 @@ std::vector<hive::Endpoint> outputs_named(hive::Application& application, const 
             const auto interface = application.describe(output.drone);
             if (output.port.empty())
                 output.port = usual_output(interface, output.drone, preferred);
-            else if (output.port != "exceptions")  // every drone has it, and no interface lists it
+            else if (output.port != "exceptions")  // every drone has this output, and no interface lists it
                 hive::port_named(interface.outputs, output.drone, "output", output.port);
             add_new(outputs, {output});
         } catch (const hive::Error& error) {

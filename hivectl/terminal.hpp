@@ -1,4 +1,4 @@
-// What the terminal can show: its width, and colour.
+// The width and colour support of the terminal.
 #pragma once
 
 #include <cstddef>
@@ -7,25 +7,25 @@
 
 namespace hivectl {
 
-/// How a table is printed.
+/// The width of a table.
 enum class Form {
     json,
-    fitted,  ///< to the width of the terminal; as wide as needed elsewhere
+    fitted,  ///< to the terminal; as wide as needed elsewhere
     wide     ///< as wide as needed
 };
 
-/// What stands on a page: the zero page is a file or a pipe.
+/// The output medium: with zero columns a file or a pipe.
 struct Page {
     std::size_t columns = 0;  ///< 0: as wide as needed
     bool colour = false;
 };
 
-/// The page that stdout is. Colour only on a terminal, unless $NO_COLOR is set or $TERM is "dumb".
+/// The page of stdout. Colour only on a terminal, unless $NO_COLOR is set or $TERM is "dumb".
 Page page_of(Form form);
-/// Columns of the terminal behind a descriptor; 80 if it does not say.
+/// Columns of the terminal at a descriptor; 80 if unknown.
 std::size_t columns_of(int descriptor);
 
-/// $TERM says that the terminal only prints.
+/// Does $TERM name a terminal that cannot move the cursor?
 bool is_dumb_terminal();
 
 enum class Colour { none, green, yellow, red };
@@ -34,10 +34,10 @@ std::string coloured(std::string_view text, Colour colour);
 
 /// Columns that a text takes: code points, which is right for everything but wide scripts.
 std::size_t width(std::string_view text);
-/// The text in at most so many columns; its end is replaced by an ellipsis if it is longer.
+/// The text in at most this many columns; the end of a longer one is replaced by an ellipsis.
 std::string shortened(std::string_view text, std::size_t columns);
-/// The words of the text in lines of at most so many columns.
-/// @param used    columns of the first line that are taken
+/// Wraps the text in lines of at most this many columns.
+/// @param used    occupied columns of the first line
 /// @param indent  of the other lines
 std::string wrapped(std::string_view text, std::size_t used, std::size_t indent, std::size_t columns);
 

@@ -1,4 +1,4 @@
-// Makes the list of verbs and finds one in it.
+// Creates the list of verbs, and finds one by name.
 #include "verbs.hpp"
 
 #include "command_line.hpp"

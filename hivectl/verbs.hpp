@@ -1,4 +1,4 @@
-// The list of verbs. A new one is its file under commands/, with a namespace of its own, and one line here.
+// The list of verbs. To add one: a file under commands/, with its own namespace, and one line here.
 #pragma once
 
 #include "verb.hpp"
@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-// In the order of `hivectl --help`: those of a group together.
+// In the order of `hivectl --help`, by group.
 #define HIVECTL_VERBS(VERB)                                                                                            \
     VERB(start)                                                                                                        \
     VERB(stop)                                                                                                         \
@@ -57,10 +57,10 @@ namespace hivectl {
 HIVECTL_VERBS(HIVECTL_DECLARE)
 #undef HIVECTL_DECLARE
 
-/// All verbs; made when called, so nothing runs before main.
+/// All verbs; created when called, so nothing runs before main.
 std::vector<Verb> verbs();
 
-/// Declares what the verb takes, and what every verb does.
+/// Declares the options of the verb and the common ones.
 Run declared(const Verb& verb, CommandLine& line, Session& session);
 
 /// The verb of that name or alias, or nullptr.

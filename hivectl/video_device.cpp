@@ -1,4 +1,4 @@
-// Walks through formats, sizes and intervals, as the V4L2 documentation (section 3.1, "Enumerating formats") has it.
+// Enumerates formats, sizes and intervals, as in the V4L2 documentation (section 3.1, "Enumerating formats").
 #include "video_device.hpp"
 
 #include <cmath>
@@ -10,7 +10,7 @@ namespace {
 
 constexpr unsigned most_formats = 64, most_sizes = 128, most_rates = 64;
 
-/// Of a field that may have no end.
+/// The text of a field that may lack its terminating zero.
 template <std::size_t Size>
 std::string text_of(const unsigned char (&field)[Size])
 {
@@ -72,7 +72,7 @@ void add_modes(std::vector<VideoMode>& modes, const AskDriver& ask, unsigned for
         break;
     }
     if (one.index == 0 && (modes.empty() || modes.back().format != letters_of(format)))
-        modes.push_back({letters_of(format), "", {}});  // the driver does not tell
+        modes.push_back({letters_of(format), "", {}});  // the driver does not enumerate sizes
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// What a V4L2 camera says of itself, asked of its driver.
+// Queries the driver of a V4L2 camera for its modes.
 #pragma once
 
 #include <functional>
@@ -8,14 +8,14 @@
 
 namespace hivectl {
 
-/// Asks a driver as ioctl does: fills in what `about` points to. False: there is no answer, or no further one.
+/// Queries a driver like ioctl: fills in what `about` points to. False: no answer, or no further one.
 using AskDriver = std::function<bool(unsigned long request, void* about)>;
 
-/// Pictures that a camera can give.
+/// One format and size of a camera.
 struct VideoMode {
     std::string format;         ///< four letters: "MJPG"
-    std::string size;           ///< "1280x720", or "160x120 to 1920x1080" where any between them can be had
-    std::vector<double> rates;  ///< pictures a second; where any can be had between two, these
+    std::string size;           ///< "1280x720", or "160x120 to 1920x1080" for a range
+    std::vector<double> rates;  ///< frames per second; for a range, its limits
 
     bool operator==(const VideoMode&) const = default;
 };
@@ -25,8 +25,8 @@ struct VideoDevice {
     std::vector<VideoMode> modes;
 };
 
-/// Nothing if it takes no pictures: cameras have further devices for other data. What a driver enumerates without end
-/// is cut off.
+/// Nothing if it captures no images: cameras have further devices for other data. Endless enumerations of a driver are
+/// cut off.
 std::optional<VideoDevice> video_device(const AskDriver& ask);
 
 /// "30 15 7.5"

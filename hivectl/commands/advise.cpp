@@ -1,4 +1,4 @@
-// hivectl advise: where the time of events goes, and what a change would give.
+// hivectl advise: shows where the time of events goes, and predicts the effect of changes.
 #include "../command_line.hpp"
 #include "../exit_code.hpp"
 #include "../format.hpp"

@@ -1,4 +1,4 @@
-// hivectl audit: whether anything was lost.
+// hivectl audit: checks whether anything was lost.
 #include "../command_line.hpp"
 #include "../exit_code.hpp"
 #include "../format.hpp"
@@ -22,7 +22,7 @@ struct Options {
     double interval_s = 1;
 };
 
-/// In the order in which a person reads them.
+/// In reading order.
 Row row_of(const hive::AuditRow& row)
 {
     const auto json = to_json(row);

@@ -1,4 +1,4 @@
-// hivectl check: the mistakes in a swarm file.
+// hivectl check: finds the errors in a swarm file.
 #include "../command_line.hpp"
 #include "../exit_code.hpp"
 #include "../output.hpp"

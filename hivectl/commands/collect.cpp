@@ -1,4 +1,4 @@
-// hivectl collect: prints sets of events that belong together, one JSON object per line.
+// hivectl collect: prints sets of matching events, one JSON object per line.
 #include "../command_line.hpp"
 #include "../event_row.hpp"
 #include "../exit_code.hpp"
@@ -21,7 +21,7 @@ namespace {
 
 struct Options {
     std::vector<std::string> names;
-    std::int64_t count = 0;  // 0: without end
+    std::int64_t count = 0;  // 0: unlimited
     std::optional<int> within_ms;
     bool notify = false, stay = false;
 };
@@ -32,7 +32,7 @@ hive::Match rule(const Options& options)
                              : hive::Match::exact();
 }
 
-/// How far the captures of a set are apart.
+/// The time between the first and last capture of a set.
 double spread_ms(const std::vector<hive::Event>& set)
 {
     const auto captured = [](const hive::Event& event) { return event.identity.captured_us; };
@@ -49,7 +49,7 @@ std::string line_of(const std::vector<hive::Event>& set)
         {"seq", identity.sequence},
         {"spread_ms",
          spread_ms(set)}}.json();
-    text.pop_back();  // the brace: the events follow as results prints them, their fields in the same order
+    text.pop_back();  // the brace: the events follow in the format of `results`
     std::vector<Row> events;
     std::ranges::transform(set, std::back_inserter(events), event_row);
     return text + ",\"events\":" + json_array(events) + "}\n";

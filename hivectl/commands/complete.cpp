@@ -1,4 +1,4 @@
-// hivectl complete: what may stand at the end of an unfinished command line; asked by the completion scripts.
+// hivectl complete: prints the completions of an unfinished command line for the completion scripts.
 #include "../command_line.hpp"
 #include "../exit_code.hpp"
 #include "../output.hpp"
@@ -32,7 +32,7 @@ Words ends(hive::Application& application, const std::string& current, bool outp
     return drones;
 }
 
-/// What may stand behind "key="; of a number nothing is offered.
+/// The values after "key="; none for numbers.
 Words values(const hive::ParameterInfo& parameter)
 {
     return parameter.type == hive::ParameterType::flag ? Words{"true", "false"} : parameter.choices;
@@ -46,7 +46,7 @@ std::vector<hive::Interface> interfaces_of(hive::Application& application, const
     return found;
 }
 
-/// "key", or "key=" as long as that is being typed, and then "key=value".
+/// "key" or "key=" while the key is typed, then "key=value".
 Words parameters(const std::vector<hive::Interface>& interfaces, const std::string& current, bool settings)
 {
     Words words;
@@ -99,7 +99,7 @@ Words values_of(const std::optional<CommandLine::Entry>& option)
     return option->type == "KIND" ? hive::kinds() : option->values;
 }
 
-/// What `--kind K` or `--kind=K` says; empty without it.
+/// The K of `--kind K` or `--kind=K`; empty without it.
 std::string kind_in(const Words& words)
 {
     for (std::size_t i = 1; i + 1 < words.size(); ++i)
@@ -110,7 +110,7 @@ std::string kind_in(const Words& words)
     return {};
 }
 
-/// The values of an option that is typed as "--as=c".
+/// The values of an option in the form "--as=c".
 Words values_behind_equals(const CommandLine& line, const std::string& current)
 {
     const auto name = current.substr(0, current.find('='));
@@ -120,7 +120,7 @@ Words values_behind_equals(const CommandLine& line, const std::string& current)
     return words;
 }
 
-/// The values of the argument at that place, if they are known.
+/// The values of the argument at this position, if known.
 Words values_at(const CommandLine& line, std::size_t place)
 {
     for (const auto& entry : line.entries())
@@ -168,7 +168,7 @@ int run(const Words& words, Session& session)
     try {
         fitting = candidates(words, session);
     } catch (const hive::Error&) {
-        // Somebody is typing: a swarm that does not answer completes nothing, and says nothing.
+        // The user is typing: if the swarm does not answer, print no completion and no error.
     }
     std::erase_if(fitting, [&](const std::string& word) { return !words.empty() && !word.starts_with(words.back()); });
     std::string text;

@@ -1,4 +1,4 @@
-// hivectl completion: the scripts that make a shell complete verbs, drones, ports and parameters.
+// hivectl completion: prints the scripts that make a shell complete verbs, drones, ports and parameters.
 #include "../command_line.hpp"
 #include "../exit_code.hpp"
 #include "../output.hpp"
@@ -9,7 +9,7 @@
 namespace hivectl::completion_verb {
 namespace {
 
-// All three only ask `hivectl complete` for the words that fit; nothing about verbs is known here.
+// All three scripts only call `hivectl complete`, so they need not know the verbs.
 constexpr std::string_view bash_script = R"(# bash completion of hivectl; use it with: source <(hivectl completion bash)
 _hivectl()
 {

@@ -19,7 +19,7 @@ struct Options {
     std::string sender;
     std::vector<std::string> receivers;
     bool share = false;
-    std::map<std::string_view, bool> flags;  ///< of the table of options
+    std::map<std::string_view, bool> flags;  ///< by name of the option
     std::map<std::string_view, std::string> values;
 };
 
@@ -53,7 +53,7 @@ int run(const Options& options, Session& session)
 {
     auto& application = session.application();
     const auto sender = application.endpoint(options.sender);
-    application.find(sender.drone);  // one error about the sender, not one for each receiver
+    application.find(sender.drone);  // one error about the sender, instead of one per receiver
     const auto connection = connection_of(options, sender.drone);
     Outcome outcome("connect");
     for (const auto& receiver : endpoints_named(application, options.receivers, outcome)) {

@@ -1,4 +1,4 @@
-// hivectl connections: the connections that exist, as both ends see them.
+// hivectl connections: lists the connections, with the counters of both ends.
 #include "../command_line.hpp"
 #include "../connections.hpp"
 #include "../exit_code.hpp"
@@ -57,7 +57,7 @@ const std::vector<Column> columns{{"FROM", "from"},
                                   {"MISSING", "missing", nullptr, nothing, loss_colour},
                                   {"WHY", "why", nullptr, nothing}};
 
-/// Across a distance a receiver that asks for one event at a time waits most of the time.
+/// Over a long round trip, a receiver that requests one event at a time mostly waits.
 void advise_windows(const std::vector<Row>& rows)
 {
     for (const auto& row : rows)

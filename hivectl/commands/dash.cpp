@@ -1,4 +1,4 @@
-// hivectl dash: the swarm in a browser, to look at and to change.
+// hivectl dash: shows and changes the swarm in a browser.
 #include "../command_line.hpp"
 #include "../dash/site.hpp"
 #include "../dash/token.hpp"
@@ -25,7 +25,7 @@ try {
                                           .allow = "GET, POST",
                                           .connections = 64,
                                           .streams = 16,
-                                          .preparing = session.timeout() + 15s};  // an order may wait for another
+                                          .preparing = session.timeout() + 15s};  // a command may wait for another
     const interrupt::Deferred deferred;
     dash::Site site(
         {.home = home, .timeout = session.timeout(), .streams = settings.streams, .repeat = settings.repeat});
@@ -34,11 +34,11 @@ try {
     write_out(session.json ? Row{{"url", url}}.json() + "\n" : url + "\n");
     while (interrupt::sleep(1h)) {
     }
-    interrupt::exit_after(1);  // a drone, or a program that a drone is started with, may take longer to let go
+    interrupt::exit_after(1);  // otherwise a slow request to a drone would delay the exit
     return interrupt::exit_code();
 } catch (const hive::Error&) {
     throw;
-} catch (const std::runtime_error& error) {  // the server cannot listen there
+} catch (const std::runtime_error& error) {  // the server cannot listen
     throw hive::Error(hive::Errc::io, error.what(), "choose another port: hivectl dash --http PORT");
 }
 

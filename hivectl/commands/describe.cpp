@@ -1,4 +1,4 @@
-// hivectl describe: a drone's inputs, outputs and parameters.
+// hivectl describe: shows a drone's inputs, outputs and parameters.
 #include "../command_line.hpp"
 #include "../exit_code.hpp"
 #include "../output.hpp"

@@ -1,4 +1,4 @@
-// hivectl devices: the V4L2 cameras of this machine, and what they can give.
+// hivectl devices: lists the V4L2 cameras of this machine, with formats, sizes and rates.
 #include "../command_line.hpp"
 #include "../exit_code.hpp"
 #include "../output.hpp"

@@ -1,4 +1,4 @@
-// hivectl disconnect: ends a connection, or the waiting for a receiver that is gone.
+// hivectl disconnect: removes a connection, or makes a source stop waiting for a receiver that is gone.
 #include "../command_line.hpp"
 #include "../exit_code.hpp"
 #include "../output.hpp"

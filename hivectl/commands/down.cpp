@@ -1,4 +1,4 @@
-// hivectl down: ends the drones that a swarm brought up.
+// hivectl down: stops the drones that a swarm brought up.
 #include "../command_line.hpp"
 #include "../exit_code.hpp"
 #include "../interrupt.hpp"

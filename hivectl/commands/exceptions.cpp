@@ -1,4 +1,4 @@
-// hivectl exceptions: shows what went wrong in drones, or changes what they do then.
+// hivectl exceptions: shows drones' exceptions, or sets their exception policy.
 #include "../command_line.hpp"
 #include "../exception_json.hpp"
 #include "../exit_code.hpp"
@@ -19,7 +19,7 @@ namespace {
 struct Options {
     std::vector<std::string> names;
     bool follow = false;
-    std::int64_t count = 0;  // 0: without end
+    std::int64_t count = 0;  // 0: unlimited
     std::string policy;
     std::string save;
 };
@@ -35,7 +35,7 @@ const std::vector<Column> columns{{"DRONE", "drone"},
                                   {"KEPT", "kept", as_size, nothing},
                                   {"TEXT", "text"}};
 
-/// Of the drones that run, and of those that have left something behind.
+/// The failures of running drones, and of those that left some.
 std::vector<std::string> drones_meant(const Options& options, hive::Application& application, Outcome& outcome)
 {
     auto left = application.failing();
@@ -53,7 +53,7 @@ std::vector<std::string> drones_meant(const Options& options, hive::Application&
     return drones;
 }
 
-/// The last exception of each, unless its input is kept.
+/// The last exception of each drone, unless its input is kept.
 void add_last(const std::vector<std::string>& drones, Session& session, std::vector<Row>& rows, Outcome& outcome)
 {
     for (const auto& answer : session.application().status(drones)) {

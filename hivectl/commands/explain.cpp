@@ -1,4 +1,4 @@
-// hivectl explain: why nothing comes, or how fast it comes.
+// hivectl explain: shows why nothing arrives, or the rates.
 #include "../command_line.hpp"
 #include "../exit_code.hpp"
 #include "../format.hpp"

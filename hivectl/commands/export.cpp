@@ -1,4 +1,4 @@
-// hivectl export: writes what runs as a swarm file, or for an engine that people have.
+// hivectl export: writes the running swarm as a swarm file, or for a service manager.
 #include "../command_line.hpp"
 #include "../exit_code.hpp"
 #include "../output.hpp"
@@ -25,7 +25,7 @@ struct Options {
     SwarmInput from;
 };
 
-/// Of the swarm of that name, or else of all that run.
+/// The drones of the swarm with that name, or all running ones.
 std::vector<std::string> drones_meant(const Options& options, hive::Application& application, Outcome& outcome)
 {
     if (!options.names.empty())
@@ -40,7 +40,7 @@ std::vector<std::string> drones_meant(const Options& options, hive::Application&
     return application.drones();
 }
 
-/// The only swarm that was brought up from here, if there is one.
+/// The only swarm that was brought up from here, if there is exactly one.
 std::string usual_swarm(hive::Application& application)
 {
     const auto plans = hive::Swarm::remembered(application);
@@ -66,7 +66,7 @@ void write_file(const std::filesystem::path& path, const hive::ExportedFile& fil
                                      std::filesystem::perm_options::add);
 }
 
-/// Into the folder, or one file to stdout.
+/// Writes into the folder, or one file to stdout.
 void write_form(const hive::SwarmPlan& plan, const Options& options, bool json)
 {
     const auto programs = std::filesystem::read_symlink("/proc/self/exe").parent_path().string();
@@ -96,7 +96,7 @@ int run(const Options& options, Session& session)
     if (options.from.file.empty()) {
         plan = running_plan(options, session, outcome);
         if (!options.names.empty() && plan.drones.empty())
-            return outcome.exit_code();  // an empty swarm, brought up, would end all that has its name
+            return outcome.exit_code();  // `up` of an empty swarm would stop all drones of its name
         if (!options.form.empty() && plan.drones.empty())
             throw hive::Error(hive::Errc::not_found, "no drones to export", "start one: hivectl start KIND");
     } else {

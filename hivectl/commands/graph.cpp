@@ -1,4 +1,4 @@
-// hivectl graph: what the swarm is made of.
+// hivectl graph: prints the graph of the swarm.
 #include "../command_line.hpp"
 #include "../drawing.hpp"
 #include "../exit_code.hpp"

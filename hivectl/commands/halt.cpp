@@ -1,4 +1,4 @@
-// hivectl halt: makes drones take nothing more.
+// hivectl halt: makes drones stop taking events.
 #include "../each_drone.hpp"
 #include "../verbs.hpp"
 

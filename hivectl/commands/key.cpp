@@ -1,4 +1,4 @@
-// hivectl key: the swarm's key file: made, changed, shown, and a weaker one for viewers made of it.
+// hivectl key: creates, rotates and shows the swarm's key file, and derives a read-only key for viewers.
 #include "../command_line.hpp"
 #include "../exit_code.hpp"
 #include "../format.hpp"
@@ -50,7 +50,7 @@ public:
     {
         using namespace std::chrono_literals;
         if (folder_ < 0)
-            return;  // reading the file says why
+            return;  // reading the file reports the reason
         const auto end = std::chrono::steady_clock::now() + 5s;
         while (::flock(folder_, LOCK_EX | LOCK_NB) != 0) {
             if (std::chrono::steady_clock::now() > end) {
@@ -119,7 +119,7 @@ int view(const Options& options, const Session& session)
                 session);
 }
 
-/// The fresh key stands in front; the present ones hold a while longer, so that machines can be visited one by one.
+/// The new key comes first; the current ones stay valid for a while, so that machines can be updated one by one.
 int rotate(const Options& options, const Session& session)
 {
     const auto file = file_of(options);

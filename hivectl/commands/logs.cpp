@@ -1,4 +1,4 @@
-// hivectl logs: what a drone has written, wherever it runs.
+// hivectl logs: prints a drone's log, wherever it runs.
 #include "../command_line.hpp"
 #include "../exit_code.hpp"
 #include "../interrupt.hpp"
@@ -37,8 +37,8 @@ void print_line(const std::string& name, const std::string& line, bool json)
     write_out(json ? Row{{"drone", name}, {"line", line}}.json() + "\n" : printable(line) + "\n");
 }
 
-/// The last lines, and where the file was read to. Who follows waits for the end of a line that has none yet; otherwise
-/// it is the last word of a program that was killed.
+/// The last lines, and the offset up to which the file was read. With --follow an incomplete last line waits for its
+/// end; otherwise it is printed, as the last output of a killed program.
 std::streamoff print_last(const std::filesystem::path& file, const Options& options, bool json)
 {
     std::ifstream in(file, std::ios::binary);
@@ -58,7 +58,7 @@ std::streamoff print_last(const std::filesystem::path& file, const Options& opti
     return read;
 }
 
-/// Whole lines behind `from`; a file that is shorter than that has begun anew.
+/// Complete lines after `from`; a shorter file was rotated.
 std::streamoff print_new(const std::filesystem::path& file, std::streamoff from, const Options& options, bool json)
 {
     std::error_code missing;
@@ -87,7 +87,7 @@ int follow(const std::filesystem::path& file, std::streamoff from, const Options
     return interrupt::exit_code();
 }
 
-/// The output of a step of Slurm comes to the machine that started it.
+/// The output of a Slurm step arrives on the machine that started it.
 bool is_step(hive::Application& application, const std::string& drone)
 {
     return std::ranges::any_of(hive::Swarm::remembered(application), [&](const hive::SwarmPlan& plan) {

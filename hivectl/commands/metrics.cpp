@@ -1,4 +1,4 @@
-// hivectl metrics: what the swarm counts, for Prometheus.
+// hivectl metrics: prints or serves the swarm's metrics for Prometheus.
 #include "../command_line.hpp"
 #include "../exit_code.hpp"
 #include "../file_text.hpp"
@@ -43,7 +43,7 @@ hive::http::Server::Settings listening(const std::string& text)
     return settings;
 }
 
-/// The first line of the file.
+/// The token: the first line of the file.
 std::string token_in(const std::string& file)
 {
     constexpr std::size_t max_bytes = 4096;
@@ -77,7 +77,7 @@ try {
     return interrupt::exit_code();
 } catch (const hive::Error&) {
     throw;
-} catch (const std::runtime_error& error) {  // the server cannot listen there
+} catch (const std::runtime_error& error) {  // the server cannot listen
     throw hive::Error(hive::Errc::io, error.what());
 }
 

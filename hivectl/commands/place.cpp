@@ -1,4 +1,4 @@
-// hivectl place: tells this home of drones on other machines.
+// hivectl place: manages the addresses of drones on other machines.
 #include "../command_line.hpp"
 #include "../exit_code.hpp"
 #include "../format.hpp"
@@ -47,7 +47,7 @@ int list(Session& session)
     return exit_code::done;
 }
 
-/// The same run of the same drone, at a place that is known already.
+/// The same run of the same drone, at a place that is already known.
 std::optional<hive::Place> known_as(hive::Application& application, const hive::StatusAnswer& added)
 {
     for (const auto& name : application.drones()) {
@@ -61,7 +61,7 @@ std::optional<hive::Place> known_as(hive::Application& application, const hive::
     return std::nullopt;
 }
 
-/// Only what answers there is written down, so that a slip of the pen is seen at once.
+/// Only an address that answers is saved, so that typos show at once.
 int add(const Options& options, Session& session)
 {
     if (options.words.size() != 2)

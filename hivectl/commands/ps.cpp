@@ -1,4 +1,4 @@
-// hivectl ps: what runs, and how it is.
+// hivectl ps: lists the running drones and their state.
 #include "../activity.hpp"
 #include "../command_line.hpp"
 #include "../exception_json.hpp"
@@ -22,7 +22,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// "12 without marks, 3 without image": what found no partner, by the input where it was missing.
+/// "12 without marks, 3 without image": unmatched events, by the input whose event was missing.
 std::string missing_text(const hive::Status& status)
 {
     std::string text;
@@ -44,7 +44,7 @@ std::string exception_text(const hive::Status& status)
     return exception ? "exception at " + time_text(exception->time_us) + ": " + exception->text : "";
 }
 
-/// What deserves a look.
+/// The NOTE of a drone.
 std::string note(const hive::Status& status)
 {
     std::string text;
@@ -67,7 +67,7 @@ hive::Json matching_json(const hive::Status& status)
     return rows.empty() ? hive::Json() : rows;
 }
 
-/// Why there is no answer, and of one on another machine how long ago there was one.
+/// Why there is no answer, and for another machine the time since the last one.
 std::string silence_note(const hive::StatusAnswer& answer)
 {
     if (!is_elsewhere(answer.place))
@@ -120,7 +120,7 @@ hive::Json crash_json(const hive::CrashedDrone& crash)
             {"time_us", crash.time_us}};
 }
 
-/// "; hivectl rerun face 3" if the input that it died of is kept, as far as the times tell.
+/// "; hivectl rerun face 3" if the input of the crash is kept, judging by the times.
 std::string rerun_text(hive::Application& application, const hive::CrashedDrone& crash)
 {
     constexpr std::int64_t second_us = 1'000'000;
@@ -144,7 +144,7 @@ Row crashed_row(hive::Application& application, const hive::CrashedDrone& crash)
                {"crash", crash_json(crash)}};
 }
 
-/// The last line of its log says most about why, if it did not crash.
+/// Without a crash, the last line of the log is the best explanation.
 std::string last_cause(const hive::FailedDrone& failed, const hive::CrashedDrone* crash)
 {
     if (crash)
@@ -185,7 +185,7 @@ void add_crashed(std::vector<Row>& rows, const std::vector<std::string>& words, 
             rows.push_back(crashed_row(application, crash));
 }
 
-/// But for those that fit crashed drones alone.
+/// Without those that match only crashed drones.
 std::vector<std::string> words_that_run(std::vector<std::string> words, const std::vector<hive::CrashedDrone>& crashed,
                                         hive::Application& application)
 {

@@ -1,4 +1,4 @@
-// hivectl put: sends one file into a drone.
+// hivectl put: sends one file to a drone.
 #include "../command_line.hpp"
 #include "../exit_code.hpp"
 #include "../file_text.hpp"
@@ -13,7 +13,7 @@
 namespace hivectl::put_verb {
 namespace {
 
-constexpr std::size_t most_bytes = 1024ull * 1024 * 1024;  // no drone takes more, whatever its operator allows
+constexpr std::size_t most_bytes = 1024ull * 1024 * 1024;  // no drone accepts more, whatever its operator allows
 
 struct Options {
     std::string to, file, type, header = "{}";

@@ -1,4 +1,4 @@
-// hivectl record: writes what outputs send into a file, and says what is missing from it.
+// hivectl record: records outputs into a file, and reports missing events.
 #include "../command_line.hpp"
 #include "../exit_code.hpp"
 #include "../format.hpp"
@@ -27,14 +27,14 @@ using Clock = std::chrono::steady_clock;
 struct Options {
     std::vector<std::string> names;
     std::string file, encoding;
-    std::int64_t count = 0;  // 0: without end
+    std::int64_t count = 0;  // 0: unlimited
     std::optional<double> seconds;
     double max_size = 0;
     int window = 64;
     bool notify = false, stream = false, overwrite = false, stay = false;
 };
 
-/// A drone without a port means all of its outputs.
+/// A drone without a port stands for all of its outputs.
 std::vector<std::string> words_of(hive::Application& application, const std::string& name)
 {
     std::vector<std::string> words;
@@ -74,7 +74,7 @@ hive::CollectOptions collecting(const Options& options)
     return result;
 }
 
-/// How it ended is in the writer; the exit code tells about what else went wrong.
+/// The writer has how the recording ended; the exit code covers other failures.
 int take_events(hive::Collector& collector, hive::recording::Writer& writer, Progress& progress, Waiting& waiting,
                 const Options& options, std::optional<std::chrono::milliseconds> patience,
                 const std::function<std::string()>& reason)
@@ -108,7 +108,7 @@ int take_events(hive::Collector& collector, hive::recording::Writer& writer, Pro
     return early ? interrupt::exit_code() : exit_code::done;
 }
 
-/// What had come before the end is part of the recording.
+/// Events that arrived before the end are part of the recording.
 void take_rest(hive::Collector& collector, hive::recording::Writer& writer)
 {
     const auto now = Clock::now();
@@ -163,7 +163,7 @@ int exit_code_for(int code, const hive::recording::Writer& writer)
 
 int run(const Options& options, Session& session)
 {
-    std::signal(SIGXFSZ, SIG_IGN);  // a file over the limit of the process is an error like others
+    std::signal(SIGXFSZ, SIG_IGN);  // exceeding the process's file size limit is an ordinary error
     auto& application = session.application();
     Outcome outcome("record");
     const auto outputs = outputs_of(application, options.names, outcome);

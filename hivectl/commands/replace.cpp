@@ -1,4 +1,4 @@
-// hivectl replace: a new process in the place of a drone that runs.
+// hivectl replace: replaces a running drone with a new process.
 #include "../command_line.hpp"
 #include "../launch.hpp"
 #include "../session.hpp"

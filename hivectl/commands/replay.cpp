@@ -1,4 +1,4 @@
-// hivectl replay: starts a drone that plays a recording, or says what is in the recording.
+// hivectl replay: starts a drone that plays a recording, or describes the recording.
 #include "../command_line.hpp"
 #include "../exit_code.hpp"
 #include "../format.hpp"

@@ -1,4 +1,4 @@
-// hivectl rerun: gives what a drone failed at to a fresh drone.
+// hivectl rerun: feeds the inputs at which a drone failed to a fresh drone.
 #include "../command_line.hpp"
 #include "../exit_code.hpp"
 #include "../format.hpp"
@@ -35,7 +35,7 @@ std::vector<std::string> words_of(const std::string& text)
     return words;
 }
 
-/// The number, if one is among the words, which are settings otherwise.
+/// Takes the number out of the arguments, if there is one; the others are settings.
 std::optional<std::string> taken_number(std::vector<std::string>& words)
 {
     const auto found = std::ranges::find_if(words, [](const auto& word) { return word.find('=') == word.npos; });
@@ -95,7 +95,7 @@ int run(const Options& options, Session& session)
                      .set = parse_settings(words),
                      .under = under,
                      .limit = limit,
-                     // Ctrl-C is for the debugger
+                     // ignored: Ctrl-C is for the debugger
                      .cancelled = [attached = !under.empty()] { return !attached && interrupt::requested(); }});
     waiting.reset();
     const bool passed = result.outcome == hive::Rerun::Outcome::passed;

@@ -1,4 +1,4 @@
-// hivectl results: prints what drones find, one JSON object per line.
+// hivectl results: prints the results of drones, one JSON object per line.
 #include "../command_line.hpp"
 #include "../exit_code.hpp"
 #include "../losses.hpp"
@@ -20,9 +20,9 @@ namespace {
 
 struct Options {
     std::vector<std::string> names;
-    std::int64_t count = 0;  // 0: without end
+    std::int64_t count = 0;  // 0: unlimited
     bool ordered = false, notify = false, sync = false, stay = false;
-    int window = 0;  // 0: not said
+    int window = 0;  // 0: not given
     std::string as = "json", folder, fields;
 };
 
@@ -68,7 +68,7 @@ void summarize(const hive::CollectCounts& counts, const std::vector<Loss>& losse
             complain("results", "lost: " + printable(sentence(loss)));
 }
 
-/// Throws Errc::refused where nothing would ever come.
+/// Throws Errc::refused if no result could ever arrive.
 void look_why(const Options& options, hive::Application& application, const std::vector<hive::Endpoint>& outputs)
 {
     const auto explanation = explain_silence(application, outputs);
@@ -115,7 +115,7 @@ int run(const Options& options, Session& session)
         code = print();
     } catch (...) {
         if (format.has_images())
-            format.finish();  // nothing that came is lost
+            format.finish();  // writes what has arrived
         throw;
     }
     format.finish();

@@ -1,4 +1,4 @@
-// hivectl resume: lets halted drones go on.
+// hivectl resume: makes halted drones continue.
 #include "../each_drone.hpp"
 #include "../verbs.hpp"
 

@@ -1,4 +1,4 @@
-// hivectl save: writes the pictures that a drone sends to a video or a folder.
+// hivectl save: writes the images of a drone to a video or a folder.
 #include "../command_line.hpp"
 #include "../exit_code.hpp"
 #include "../format.hpp"
@@ -24,13 +24,13 @@ using Clock = std::chrono::steady_clock;
 
 struct Options {
     std::string from, file;
-    std::int64_t count = 0;  // 0: without end
+    std::int64_t count = 0;  // 0: unlimited
     double fps = 0;
     int quality = 80;
     bool overwrite = false;
 };
 
-/// An absolute path, but one that means a folder still does.
+/// Makes the path absolute; the trailing slash of a folder stays.
 std::string path_of(const std::string& file) { return std::filesystem::absolute(file).string(); }
 
 hive::DroneOrder order_of(const Options& options)
@@ -44,7 +44,7 @@ hive::DroneOrder order_of(const Options& options)
                     {"overwrite", options.overwrite ? "on" : "off"}}};
 }
 
-/// How many pictures the writer has taken, and of which source the last one of the sender was.
+/// The number of images that the writer has received, and the source of the sender's last one.
 void note_progress(Progress& progress, hive::Application& application, const std::string& writer,
                    const std::string& source)
 {
@@ -58,7 +58,7 @@ void note_progress(Progress& progress, hive::Application& application, const std
     progress.note(source, done);
 }
 
-/// The drone at the beginning of the chain that leads here, where there is one chain.
+/// The source of the chain that leads here, if there is only one.
 std::string source_of(hive::Application& application, std::string drone)
 {
     for (int hops = 0; hops < 16; ++hops) {
@@ -71,7 +71,7 @@ std::string source_of(hive::Application& application, std::string drone)
     return drone;
 }
 
-/// What the writer says when the file is complete: after the end of the source, enough pictures, or Ctrl-C.
+/// The writer's report once the file is complete: after the end of the source, enough images, or Ctrl-C.
 std::optional<hive::Event> await(hive::TiedDrone& writer, hive::Collector& files, hive::Application& application,
                                  const hive::Endpoint& output, std::chrono::milliseconds limit)
 {
@@ -102,7 +102,7 @@ std::optional<hive::Event> await(hive::TiedDrone& writer, hive::Collector& files
     return std::nullopt;
 }
 
-/// The exit code, and everything that is to be said.
+/// Prints the outcome, and returns the exit code.
 int report(const hive::Json& header, const Options& options, bool json)
 {
     const auto frames = header.value("frames", std::int64_t{0});

@@ -1,4 +1,4 @@
-// hivectl schema: what a swarm file may say, for editors.
+// hivectl schema: prints the JSON Schema of swarm files, for editors.
 #include "../command_line.hpp"
 #include "../exit_code.hpp"
 #include "../output.hpp"

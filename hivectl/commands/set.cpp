@@ -26,7 +26,7 @@ struct Options {
     std::vector<std::string> settings;
 };
 
-/// The same command on the drone's machine, at its local socket: whoever may log in there is its operator.
+/// Runs the same command on the drone's machine, at its local socket: a user who can log in there is an operator.
 int set_there(const hive::Place& place, const Options& options, Session& session)
 {
     const hive::Remote remote(place.ssh, session.home());
@@ -55,7 +55,7 @@ try {
     return exit_code_of_failure("set", options.target, error);
 }
 
-/// Of a set that has changed nothing: those that only stood back refuse, so the code is that of the cause.
+/// The exit code of a set that changed nothing: that of the cause, not that of the drones that were rolled back.
 int exit_code_of_refusal(const std::vector<hive::Answer>& answers)
 {
     complain("set", "nothing has changed on any of them");
@@ -70,7 +70,7 @@ int exit_code_of_refusal(const std::vector<hive::Answer>& answers)
 
 int set_many(const Options& options, const hive::Json& settings, Session& session)
 {
-    interrupt::defer_until_exit();  // a Ctrl-C after all have changed must not report that none has
+    interrupt::defer_until_exit();  // Ctrl-C after the commit must not report that nothing has changed
     auto& application = session.application();
     const Waiting waiting(options.target + " to answer");
     const auto result = application.set(application.find(options.target), settings, interrupt::requested);

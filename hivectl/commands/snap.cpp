@@ -1,4 +1,4 @@
-// hivectl snap: saves one picture.
+// hivectl snap: saves one image.
 #include "../command_line.hpp"
 #include "../exit_code.hpp"
 #include "../media_type.hpp"
@@ -24,7 +24,7 @@ struct Options {
     std::string from, file;
 };
 
-/// Receives in the encoding that the file's ending means; an output that knows none gives what it has.
+/// Requests the encoding of the file's extension; an output without encodings sends its own format.
 std::unique_ptr<hive::Collector> collect(const hive::Endpoint& output, const std::string& file, Session& session)
 {
     hive::CollectOptions options;
@@ -60,7 +60,7 @@ hive::Event next_event(const hive::Endpoint& output, const std::string& file, Se
     return *event;
 }
 
-/// Writes a temporary file and renames it, so that no reader sees half of it. Keeps links; writes to a pipe or
+/// Writes a temporary file and renames it, so that no reader sees a partial file. Keeps links; writes to a pipe or
 /// /dev/null in place.
 void save(const std::filesystem::path& named, const hive::Body& body)
 {
@@ -94,7 +94,7 @@ hive::Event as_file(hive::Event event)
     return event;
 }
 
-/// No file is written that is not what its extension says.
+/// The content must match the file's extension.
 void require_fitting(const std::filesystem::path& file, const std::string& type, const std::string& output)
 {
     if (ending_fits(file, type))

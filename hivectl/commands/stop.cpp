@@ -1,4 +1,4 @@
-// hivectl stop: ends drones.
+// hivectl stop: stops drones.
 #include "../command_line.hpp"
 #include "../exit_code.hpp"
 #include "../output.hpp"
@@ -22,7 +22,7 @@ struct Options {
     bool all = false;
 };
 
-/// Drones that run, and those that crashed and are remembered.
+/// Running drones, and crashed ones with saved state.
 std::vector<std::string> all_of(hive::Application& application)
 {
     auto names = application.drones();
@@ -43,7 +43,7 @@ std::vector<std::string> meant_by(const std::string& word, hive::Application& ap
     return names;
 }
 
-/// What somebody else started, and this home knows of by its announcement alone, is stopped by its name.
+/// Drones started elsewhere, known only by announcement, must be stopped by name.
 std::vector<std::string> all_of_our_own(hive::Application& application)
 {
     auto names = all_of(application);
@@ -66,7 +66,7 @@ std::vector<std::string> meant_by(const Options& options, hive::Application& app
     return names;
 }
 
-/// A drone to stop, and where it runs; nowhere if it crashed.
+/// A drone to stop, and its place; none if it crashed.
 struct Target {
     std::string name;
     std::optional<hive::Place> place;
@@ -80,7 +80,7 @@ std::vector<Target> targets_of(const std::vector<std::string>& names, hive::Appl
     return targets;
 }
 
-/// One on another machine that does not answer has crashed, or is cut off: ssh may get there all the same.
+/// A drone on another machine that does not answer has crashed or is disconnected: ssh may still reach it.
 void stop_through_ssh(const Target& target, const hive::Error& error, Session& session)
 {
     const bool silent = error.code() == hive::Errc::unreachable || error.code() == hive::Errc::timeout;

@@ -1,4 +1,4 @@
-// hivectl top: how fast everything runs, again and again.
+// hivectl top: shows rates, refreshed at an interval.
 #include "../activity.hpp"
 #include "../command_line.hpp"
 #include "../exit_code.hpp"
@@ -34,7 +34,7 @@ std::string shown(const Rates& rates, Form form)
            + (edges.empty() ? "" : "\n" + edges);
 }
 
-/// The rows are in the order of the answers.
+/// Rows and answers have the same order.
 void show_activity(std::vector<Row>& rows, const std::vector<hive::StatusAnswer>& answers)
 {
     for (std::size_t i = 0; i < rows.size(); ++i)

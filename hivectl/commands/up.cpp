@@ -29,7 +29,7 @@ void print(const std::vector<hive::SwarmStep>& steps, bool json)
     }
 }
 
-/// Until Ctrl-C, which is how this is meant to end.
+/// Supervises until Ctrl-C, which is the normal end.
 void stay(hive::Swarm& swarm)
 {
     swarm.stay([](const std::string& text) { complain("up", printable(text)); },
@@ -58,7 +58,7 @@ int run(const Options& options, Session& session)
         complain("up", outcome.remains.empty()
                            ? "nothing of " + plan->name + " was changed, because:"
                            : plan->name + " was not brought up, and not all that was begun could be undone:");
-    const bool all_done = outcome.failures.empty() && outcome.remains.empty();  // even if Ctrl-C came after that
+    const bool all_done = outcome.failures.empty() && outcome.remains.empty();  // even if Ctrl-C was pressed afterwards
     const int code = all_done ? exit_code::done : complain_about("up", outcome);
     if (!options.stay || code != exit_code::done)
         return code;

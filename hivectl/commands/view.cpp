@@ -1,4 +1,4 @@
-// hivectl view: looks at what a drone sends, for as long as the command runs.
+// hivectl view: shows the images of a drone while the command runs.
 #include "../command_line.hpp"
 #include "../exit_code.hpp"
 #include "../interrupt.hpp"
@@ -33,8 +33,8 @@ void require_somewhere(const Options& options)
                           "look with a browser: --http PORT");
 }
 
-/// Has the page served, and returns the address that a browser has to open; empty when there is a window instead. The
-/// token goes to the drone over its socket: command lines are for everybody to read.
+/// Makes the drone serve its page, and returns the address for a browser; empty if there is a window instead. The token
+/// goes to the drone over its socket, because every user can read command lines.
 std::string serve(const Options& options, hive::Application& application, const std::string& viewer)
 {
     if (options.port == 0)
@@ -55,7 +55,7 @@ void report(const std::string& url, const hive::Endpoint& output, const std::str
         write_out(url + "\n");
 }
 
-/// Has everything been shown that will ever come?
+/// Has the last image been shown?
 bool all_shown(hive::Application& application, const std::string& viewer)
 {
     const auto answer = application.status(std::vector{viewer}).at(0);
@@ -65,7 +65,7 @@ bool all_shown(hive::Application& application, const std::string& viewer)
     return !answer.error && !answer.status.inputs.empty() && std::ranges::all_of(answer.status.inputs, shown);
 }
 
-/// Until Ctrl-C, or until the drone ends because its window was closed, or until everything has been shown.
+/// Until Ctrl-C, until the drone exits because its window was closed, or until the last image has been shown.
 int look(const Options& options, hive::TiedDrone& viewer, hive::Application& application)
 {
     constexpr auto between_asking = 500ms;

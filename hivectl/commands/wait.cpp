@@ -25,7 +25,7 @@ struct Options {
     std::string goal = "running";
 };
 
-/// The state of a drone in words: its own, or "gone", or "silent", or "unreachable" of one on another machine.
+/// The state of a drone as text: its own, or "gone", or "silent", or "unreachable" on another machine.
 std::string state_of(hive::Application& application, const std::string& name)
 {
     if (!runs(application, name))

@@ -7,9 +7,9 @@
 namespace hivectl::dash {
 namespace {
 
-constexpr std::size_t max_results = 256;  // of pages that were closed meanwhile
+constexpr std::size_t max_results = 256;  // a limit, for pages that were closed meanwhile
 
-/// Its application goes with it, and with that all links to drones.
+/// Destroys the thread's application, and with it all links to drones.
 hive::Json result_of(const Errands::Work& work, const hive::Application::Options& options)
 try {
     hive::Application application(options);
@@ -56,7 +56,7 @@ std::uint64_t Errands::begin(Work work)
     try {
         if (idle_ < waiting_.size() && threads_.size() < max_threads)
             threads_.emplace_back([this] { run(); });
-    } catch (const std::system_error&) {  // no thread is to be had: those that there are do it later
+    } catch (const std::system_error&) {  // no further thread: the existing ones run it later
         if (threads_.empty()) {
             waiting_.pop_back();
             return 0;

@@ -1,4 +1,4 @@
-// What the page has done by drones, on threads of its own: each errand has a deadline, and none waits for another.
+// Runs requests of the page to drones on their own threads: each errand has a deadline, and none waits for another.
 #pragma once
 
 #include <hive/application.hpp>
@@ -18,20 +18,20 @@ namespace hivectl::dash {
 
 class Errands {
 public:
-    /// What is to be done. Its result is for the page; what it throws becomes {"error": {"code", "text", "advice"}}.
+    /// The work. Its result is for the page; an exception becomes {"error": {"code", "text", "advice"}}.
     using Work = std::function<hive::Json(hive::Application&)>;
-    static constexpr std::size_t max_threads = 32;  ///< more errands than that wait
+    static constexpr std::size_t max_threads = 32;  ///< further errands are queued
     static constexpr std::size_t max_waiting = 64;
 
-    /// @param done  called from its threads when an errand is done
+    /// @param done  called on its threads when an errand is done
     Errands(std::filesystem::path home, std::chrono::milliseconds timeout, std::function<void()> done);
     ~Errands();
     Errands(const Errands&) = delete;
     Errands& operator=(const Errands&) = delete;
 
-    /// The number of the errand, from 1. 0: too many are waiting.
+    /// The number of the errand, from 1. 0: the queue is full.
     std::uint64_t begin(Work work);
-    /// The result, once. Nothing: it is not done.
+    /// The result, once. Nothing: not done yet.
     std::optional<hive::Json> take(std::uint64_t errand);
 
 private:
@@ -47,7 +47,7 @@ private:
     std::size_t idle_ = 0;  ///< threads that wait for an errand
     std::uint64_t begun_ = 0;
     std::deque<std::pair<std::uint64_t, Work>> waiting_;
-    std::map<std::uint64_t, hive::Json> results_;  ///< the oldest go when there are too many
+    std::map<std::uint64_t, hive::Json> results_;  ///< the oldest are dropped when there are too many
     std::vector<std::thread> threads_;             ///< as many as were ever busy at once
 };
 

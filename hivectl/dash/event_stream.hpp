@@ -1,4 +1,4 @@
-// Writes server-sent events: each reader gets the newest snapshot when it is ready for one.
+// Writes server-sent events: each reader gets the newest snapshot when it is ready.
 #pragma once
 
 #include "snapshot.hpp"
@@ -18,8 +18,7 @@ public:
     static constexpr const char* type = "text/event-stream";
     using Newest = std::function<std::shared_ptr<const Snapshot>(hive::http::Clock::time_point now)>;
 
-    /// @param repeat  after this long without a new snapshot a comment is sent, so that readers that are gone are
-    /// noticed
+    /// @param repeat  after this long without a new snapshot a comment is sent, to detect closed readers
     EventStream(Newest newest, std::chrono::milliseconds repeat) : newest_(std::move(newest)), repeat_(repeat) {}
     std::size_t read(std::span<char> to, hive::http::Clock::time_point now) override;
 
@@ -28,7 +27,7 @@ private:
 
     Newest newest_;
     std::chrono::milliseconds repeat_;
-    std::string text_;  ///< what is on its way
+    std::string text_;  ///< being sent
     std::size_t sent_ = 0;
     std::uint64_t version_ = 0;
     hive::http::Clock::time_point begun_{};

@@ -1,4 +1,4 @@
-// The files of the page, which are part of the program: page/ has them as people read them.
+// The files of the page, embedded in the program; their sources are in page/.
 #pragma once
 
 #include <string_view>

@@ -72,7 +72,7 @@ Pixels pixels_of_raw(const hive::Event& event, int width)
                   {{}, static_cast<int>(columns), static_cast<int>(rows), channels}, factor);
 }
 
-/// As an eighth, a quarter or a half, which costs less than to decode the whole. Nothing: it is small enough.
+/// Decodes at an eighth, a quarter or a half, which is faster than the full size. Nothing: it is small enough.
 std::optional<Pixels> pixels_of_jpeg(const std::vector<unsigned char>& jpeg, int width)
 {
     const Handle handle(tjInitDecompress(), tjDestroy);

@@ -18,7 +18,7 @@ std::string quoted(const std::string& text)
     return result + "\"";
 }
 
-/// The place of a drone among its twins, which send to the same drones and receive from the same.
+/// The position of a drone among its twins: drones with the same senders and receivers.
 struct Place {
     int column = 0, columns = 1;
     std::string left{};  ///< of twins without connections, the one in the column before
@@ -26,7 +26,7 @@ struct Place {
 
 using Ends = std::set<std::pair<bool, std::string>>;  ///< sends to, or receives from
 
-/// So many columns that the whole is about as wide as a screen.
+/// The number of columns that makes the graph about as wide as a screen.
 int columns_of(std::size_t twins)
 {
     constexpr std::size_t few = 8;

@@ -1,4 +1,4 @@
-// The swarm as a text for Graphviz, with an id for each drone and each connection by which the page finds them.
+// Writes the swarm for Graphviz, with ids of drones and connections for the page.
 #pragma once
 
 #include <hive/graph.hpp>
@@ -7,12 +7,12 @@
 
 namespace hivectl::dash {
 
-/// "camera.image>face.image>GROUP": by this the page calls a connection.
+/// "camera.image>face.image>GROUP": the page's id of a connection.
 std::string id_of(const hive::ConnectionEnds& ends);
-/// The name of the drone at an end, or of the application.
+/// The name of the drone or application at an end.
 std::string owner_of(const std::string& end, const hive::SwarmGraph& graph);
-/// Machines are clusters. Drones that send and receive alike stand in several columns if there are many. What changes
-/// from second to second is left to the page, so equal swarms have equal texts.
+/// Machines are clusters. Many drones with the same connections are laid out in several columns. The page adds values
+/// that change every second, so equal swarms have equal texts.
 std::string dot_of(const hive::SwarmGraph& graph);
 
 }  // namespace hivectl::dash

@@ -23,7 +23,7 @@ hive::Endpoint end_of(const std::string& text)
     return {text.substr(0, dot), text.substr(dot + 1)};
 }
 
-/// Those that the connection has now: what the page does not name stays.
+/// The current options of the connection: those that the page does not name stay.
 hive::ConnectionOptions present_options(Application& application, const std::string& from, const std::string& to)
 {
     const auto receiver = end_of(to);
@@ -79,7 +79,7 @@ Errands::Work order_for_drone(const std::string& what, const std::string& drone)
     return [act = found->second, drone](Application& application) { return act(application, drone); };
 }
 
-/// Of a drone of this machine that was started in the background.
+/// For a drone of this machine that was started in the background.
 void add_log(Json& answer, Application& application, const std::string& drone)
 {
     constexpr std::size_t lines = 40;

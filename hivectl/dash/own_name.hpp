@@ -1,4 +1,4 @@
-// The names of the applications behind the page, by which pages leave themselves out of what they show.
+// The names of the page's applications, by which pages hide themselves.
 #pragma once
 
 #include <hive/application.hpp>
@@ -8,9 +8,9 @@
 
 namespace hivectl::dash {
 
-/// "dash-PID-N", another one each time.
+/// "dash-PID-N", unique per call.
 std::string own_name();
-/// What outputs count for the images of pages is not shown: of this one, of others, and of those that were killed.
+/// Hides the connections for the images of pages: this one, others, and killed ones.
 void remove_pages(std::vector<hive::StatusAnswer>& answers);
 
 }  // namespace hivectl::dash

@@ -1,5 +1,5 @@
-// A live source is asked for the next frame when a page wants one, so a slow page gets the newest and costs less. A
-// source on demand waits for its receivers: there every frame is taken at once.
+// Requests a frame of a live source only when a page needs one, so a slow page gets the newest and costs less. A source
+// on demand waits for its receivers, so there every frame is received at once.
 #include "pictures.hpp"
 
 #include "../places.hpp"
@@ -19,7 +19,7 @@ using namespace std::chrono_literals;
 constexpr auto unwatched_after = 4s, silence = 3s;
 constexpr auto patience = 250ms;
 
-/// Grows when an output is no longer received and then received again.
+/// Larger than all versions from before a pause in receiving the output.
 std::uint64_t first_version()
 {
     const auto now = std::chrono::system_clock::now().time_since_epoch();
@@ -28,7 +28,7 @@ std::uint64_t first_version()
 
 }  // namespace
 
-/// One output, on a thread of its own: a drone that does not answer holds up no other picture.
+/// One output, on its own thread: a drone that does not answer delays no other image.
 class Pictures::Source {
 public:
     Source(std::filesystem::path home, std::string output, std::function<void()> ready, Time now)
@@ -79,7 +79,7 @@ private:
     std::condition_variable wake_;
     bool ending_ = false, wanted_ = true;
     Time looked_;
-    std::map<int, Time> widths_;  ///< that pages show it in, and when they asked last
+    std::map<int, Time> widths_;  ///< that pages use, and the time of their last request
     std::map<int, Newest> ready_for_;
     std::string problem_;
     std::uint64_t version_ = first_version();
@@ -114,7 +114,7 @@ void Pictures::Source::run()
     ended_ = true;
 }
 
-/// False: no page looks any more.
+/// False: no page shows it any more.
 bool Pictures::Source::wait_until_wanted()
 {
     std::unique_lock lock(mutex_);
@@ -135,7 +135,7 @@ void Pictures::Source::receive()
         options.connection.encoding = "jpeg";
     const auto collector = application.collect({output}, options);
     auto last = std::chrono::steady_clock::now();
-    std::optional<hive::Event> held;  // as long as it is, the sender keeps only its newest for us
+    std::optional<hive::Event> held;  // while it is held, the sender keeps only its newest event for us
     for (bool lossless = false; lossless ? is_looked_at() : wait_until_wanted();) {
         held.reset();
         auto next = collector->next(patience);
@@ -155,7 +155,7 @@ void Pictures::Source::receive()
     }
 }
 
-/// Encodes it for each width outside of the lock.
+/// Encodes it for each width, without the lock.
 void Pictures::Source::show(const hive::Event& event)
 {
     std::set<int> widths;
@@ -187,7 +187,7 @@ Pictures::Pictures(std::filesystem::path home, std::function<void()> ready)
 }
 Pictures::~Pictures()
 {
-    for (const auto& [output, source] : sources_)  // all at once, and then each is waited for
+    for (const auto& [output, source] : sources_)  // stop all before joining any
         source->end();
 }
 

@@ -1,4 +1,4 @@
-// Receives the outputs that pages show: each once, however many pages show it, and only as long as one does.
+// Receives the outputs that pages show: each once for all pages, and only while one shows it.
 #pragma once
 
 #include "jpeg.hpp"
@@ -27,25 +27,25 @@ public:
         std::uint64_t version = 0;  ///< 0: there is none yet
         std::string type{};
         hive::http::Bytes bytes{};
-        std::string problem{};  ///< why none comes
+        std::string problem{};  ///< why there is none
     };
 
-    /// @param ready  called from its threads when there is a new picture, or a problem
+    /// @param ready  called on its threads for a new image or a problem
     Pictures(std::filesystem::path home, std::function<void()> ready);
     ~Pictures();
     Pictures(const Pictures&) = delete;
     Pictures& operator=(const Pictures&) = delete;
 
-    /// The newest of an output for a box of that width. Whoever shows it calls this again and again; when nobody has
-    /// for some seconds, the output is no longer received. Never waits.
-    /// @param after  what the page has: one that is newer is received next
+    /// The newest image of an output for a box of this width. Pages call it repeatedly; some seconds after the last
+    /// call the output is no longer received. Never blocks.
+    /// @param after  the version that the page has: a newer one is received next
     Newest newest(const std::string& output, int width, std::uint64_t after, Time now);
 
 private:
     class Source;
     const std::filesystem::path home_;
     const std::function<void()> ready_;
-    std::map<std::string, std::unique_ptr<Source>> sources_;  ///< for the thread that asks
+    std::map<std::string, std::unique_ptr<Source>> sources_;  ///< for the calling thread
 };
 
 }  // namespace hivectl::dash

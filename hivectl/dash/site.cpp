@@ -36,7 +36,7 @@ hive::http::Answer json(const hive::Json& value) { return {.type = "application/
 
 hive::http::Answer nothing_here() { return sentence(404, "There is nothing here."); }
 
-/// Few widths, so that browsers of different sizes share an image.
+/// Rounds to few widths, so that browsers of different sizes share an image.
 int width_for(std::uint64_t box) { return box <= 320 ? 320 : box <= 640 ? 640 : 1280; }
 
 }  // namespace
@@ -128,7 +128,7 @@ Site::Answer Site::drawing() const
     return hive::http::Answer{.type = "image/svg+xml", .body = drawing->svg};
 }
 
-/// Waits a moment for one that is newer than what the page has, so that a page asks no more often than it gets one.
+/// Waits shortly for a newer image than the page has, so that a page requests no more often than it gets one.
 Site::Answer Site::picture(const Words& path, Visit& visit)
 {
     constexpr std::uint64_t moment_ms = 250;

@@ -1,4 +1,4 @@
-// Answers the page of hivectl dash. Waits for no drone: what takes time is done on other threads.
+// Answers the page of hivectl dash. Never waits for a drone: slow work runs on other threads.
 #pragma once
 
 #include "errands.hpp"
@@ -16,9 +16,9 @@ class Site final : public hive::http::Site {
 public:
     struct Settings {
         std::filesystem::path home{};
-        std::chrono::milliseconds timeout{};  ///< of what drones are asked or told
-        std::size_t streams = 0;              ///< pages at once
-        std::chrono::milliseconds repeat{};   ///< of a stream without news
+        std::chrono::milliseconds timeout{};  ///< of requests to drones
+        std::size_t streams = 0;              ///< maximum number of pages at once
+        std::chrono::milliseconds repeat{};   ///< interval of a stream without news
     };
     static constexpr std::size_t max_body = 64 * 1024;
 
@@ -37,13 +37,13 @@ private:
     Answer events(const Visit& visit);
     [[nodiscard]] Answer drawing() const;
     Answer picture(const Words& path, Visit& visit);
-    /// What is asked of drones: begun at the first call, and answered when it is done.
+    /// Requests to drones: started at the first call, and answered when done.
     template <typename MakeWork>
     static Answer errand(Errands& errands, Visit& visit, MakeWork make_work);
 
     const Settings settings_;
     Watch watch_;
-    Errands orders_, questions_;  ///< an order waits for no question
+    Errands orders_, questions_;  ///< separate, so that a command never waits for a query
     Pictures pictures_;
 };
 

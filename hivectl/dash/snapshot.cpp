@@ -14,7 +14,7 @@ namespace {
 
 using hive::Json;
 
-/// A source on demand that would produce for any receiver of this output. A live one emits without receivers, too.
+/// Does a source on demand produce for any receiver of this output? A live one emits without receivers, too.
 bool waits_for_receiver(const hive::Status& status, const hive::OutputStatus& output)
 {
     constexpr std::int64_t second_us = 1'000'000;
@@ -25,7 +25,7 @@ bool waits_for_receiver(const hive::Status& status, const hive::OutputStatus& ou
            && output.last_emitted_us < now_us - second_us;
 }
 
-/// What a drone is called on the page: rows of rates have numbers, and null where nothing is known.
+/// The row of a drone on the page; unknown rates are null.
 Json drone_row(const hive::StatusAnswer& answer, const Row& rates)
 {
     const auto& status = answer.status;
@@ -78,7 +78,7 @@ Json edge_row(const hive::AuditRow& audited, const Row& rates, const Row& counts
 
 Json object_of(const Row& row) { return Json::parse(row.json()); }
 
-/// Of all processors of a drone's machine, between two looks. Null: not known.
+/// Load of all processors of a drone's machine, between two statuses. Null: unknown.
 Json machine_busy_percent(const hive::StatusAnswer& answer, const std::vector<hive::StatusAnswer>& earlier)
 {
     const auto before = std::ranges::find(earlier, answer.drone, &hive::StatusAnswer::drone);
@@ -90,7 +90,7 @@ Json machine_busy_percent(const hive::StatusAnswer& answer, const std::vector<hi
     return std::min(100.0, 100.0 * static_cast<double>(now.machine.cpu_us - before->status.machine.cpu_us) / possible);
 }
 
-/// Of the machines of drones: how many drones, and how busy the processors are.
+/// The machines, with their number of drones and processor load.
 Json machines_of(const std::array<Look, 3>& looks)
 {
     std::map<std::string, std::pair<int, Json>> machines;

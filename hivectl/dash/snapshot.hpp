@@ -1,4 +1,4 @@
-// What the page shows of a swarm at one moment, made of the last answers of all drones. Asks no drone.
+// The state of a swarm for the page, computed from the last answers of all drones. Queries no drone.
 #pragma once
 
 #include <hive/application.hpp>
@@ -23,7 +23,7 @@ struct Look {
     std::chrono::steady_clock::time_point at{};
 };
 
-/// Of one drone, what its answers of the last minutes said.
+/// The history of one drone over the last minutes.
 struct Past {
     struct Sample {
         double per_s = 0;         ///< events, of the inputs or else of the outputs
@@ -35,23 +35,23 @@ struct Past {
     std::deque<hive::ExceptionStatus> exceptions{};  ///< newest first
 };
 
-/// Never changes once it is made.
+/// Immutable.
 struct Snapshot {
     std::uint64_t version = 0;
-    std::string text{};  ///< the JSON of the whole swarm, as it goes to all pages
+    std::string text{};  ///< the JSON of the whole swarm, for all pages
     Look look{};
     hive::Json drones{}, edges{};                       ///< as in the text: arrays of rows
-    std::map<std::string, hive::Json> audit{}, both{};  ///< by id of the connection: the account, and all counts
+    std::map<std::string, hive::Json> audit{}, both{};  ///< by id of the connection: the audit row, and all counters
     std::map<std::string, Past> past{};                 ///< by drone
 };
 
-/// All but version, past and text.
-/// @param looks  the last three, oldest first; the same one three times while there is only one
+/// Fills in all except version, past and text.
+/// @param looks  the last three, oldest first; three times the same while there is only one
 Snapshot snapshot_of(const std::array<Look, 3>& looks, const hive::SwarmGraph& graph);
-/// Adds what the last look says of a drone, and forgets drones that it does not know.
+/// Adds the last statuses, and removes drones that are no longer there.
 void remember(std::map<std::string, Past>& past, const Snapshot& now);
 
-/// The bar on top: what audit says in a sentence, and the machines.
+/// The top bar: the verdict of audit in a sentence, and the machines.
 hive::Json bar_of(const std::array<Look, 3>& looks);
 
 /// Everything of one drone: outputs with their types and counts, exceptions, the last minutes. Null: not known.

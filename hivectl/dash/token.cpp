@@ -12,7 +12,7 @@
 
 namespace hivectl::dash {
 
-/// Written under another name and linked, so that of two that start at once both have the token of one.
+/// Written under another name and then linked, so that two processes that start at once get the same token.
 std::string lasting_token(const std::filesystem::path& file)
 {
     constexpr std::size_t max_bytes = 64, length = 32;

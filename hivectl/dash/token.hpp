@@ -1,4 +1,4 @@
-// The token of the page, which stays the same when hivectl dash is started again: open pages go on.
+// The token of the page. It survives restarts of hivectl dash, so that open pages keep working.
 #pragma once
 
 #include <filesystem>
@@ -6,7 +6,7 @@
 
 namespace hivectl::dash {
 
-/// That of the file, or a fresh one that is written there with mode 0600. Throws Errc::io.
+/// Reads the file, or writes a new token to it with mode 0600. Throws Errc::io.
 std::string lasting_token(const std::filesystem::path& file);
 
 }  // namespace hivectl::dash

@@ -14,12 +14,12 @@ using namespace std::chrono_literals;
 
 constexpr auto every_look = 1s, every_explanation = 2s, idle_after = 4s;
 
-/// Drones of other machines then let us look, and refuse everything else.
+/// With the viewers' key, drones of other machines permit reading only.
 bool have_viewers_key()
 try {
     const auto file = hive::default_key_file();
     return !file.empty() && hive::read_key_file(file).front().role == hive::Role::viewer;
-} catch (const hive::Error&) {  // there is none
+} catch (const hive::Error&) {  // no such key
     return false;
 }
 
@@ -58,7 +58,7 @@ std::shared_ptr<const Watch::Drawing> Watch::drawing() const
     return drawing_;
 }
 
-/// False: it is to end.
+/// False: stop.
 bool Watch::wait_for_looker(Time not_before)
 {
     std::unique_lock lock(mutex_);
@@ -76,7 +76,7 @@ void Watch::run(void (Watch::*turn)(hive::Application&), std::chrono::millisecon
     for (Time next{}; wait_for_looker(next); next = std::chrono::steady_clock::now() + every)
         try {
             (this->*turn)(application);
-        } catch (const std::exception& error) {  // what the next turn may do better
+        } catch (const std::exception& error) {  // the next turn may succeed
             complain("dash", error.what());
         }
 }
@@ -121,7 +121,7 @@ void Watch::explain(hive::Application& application)
     worst_ = std::move(worst);
 }
 
-/// The graph of a large swarm takes Graphviz seconds, while the numbers go on.
+/// Graphviz takes seconds for a large swarm; the numbers are updated meanwhile.
 void Watch::draw(const hive::SwarmGraph& graph)
 {
     auto dot = dot_of(graph);

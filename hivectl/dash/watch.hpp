@@ -1,4 +1,4 @@
-// Looks at the swarm each second, as long as a page is open.
+// Queries the swarm every second while a page is open.
 #pragma once
 
 #include "snapshot.hpp"
@@ -13,9 +13,8 @@
 
 namespace hivectl::dash {
 
-/// Two threads: one asks all drones and has Graphviz draw the graph when drones or connections have changed, the other
-/// asks what holds them up. Each has an application of its own, so a drone that does not answer delays nothing but the
-/// next look.
+/// Two threads: one queries all drones and runs Graphviz when drones or connections have changed, the other runs
+/// explain. Each has its own application, so a drone that does not answer delays only the next query.
 class Watch {
 public:
     using Time = std::chrono::steady_clock::time_point;
@@ -27,13 +26,13 @@ public:
         std::string problem{};  ///< why there is none: Graphviz is missing
     };
 
-    /// @param changed  called from its threads when there is a new snapshot
+    /// @param changed  called on its threads for a new snapshot
     Watch(std::filesystem::path home, std::chrono::milliseconds timeout, std::function<void()> changed);
     ~Watch();
     Watch(const Watch&) = delete;
     Watch& operator=(const Watch&) = delete;
 
-    /// Null until the first look is done. A page calls this again and again. From any thread; never waits.
+    /// Null until the first query is done. Pages call it repeatedly. From any thread; never blocks.
     std::shared_ptr<const Snapshot> newest(Time now);
     [[nodiscard]] std::shared_ptr<const Drawing> drawing() const;
 
@@ -50,11 +49,11 @@ private:
     mutable std::mutex mutex_;
     std::condition_variable wake_;
     bool ending_ = false;
-    Time looked_{};  ///< when a page asked last
+    Time looked_{};  ///< time of the last request of a page
     std::shared_ptr<const Snapshot> newest_;
     std::shared_ptr<const Drawing> drawing_ = std::make_shared<Drawing>();
-    hive::Json worst_;  ///< what explain says
-    // Of the thread that looks:
+    hive::Json worst_;  ///< the result of explain
+    // For the querying thread:
     std::deque<Look> looks_;
     std::map<std::string, Past> past_;
     std::string drawn_;
