@@ -10,14 +10,14 @@ namespace annotate {
 class Drawing {
 public:
     enum class Uncertain { dashed, hidden, solid };
-    int thickness = 0;                        ///< of lines, px, up to 20; 0: as the image's size demands
-    bool labels = true;                       ///< write what the marks are
+    int thickness = 0;                        ///< of lines, px, up to 20; 0: by the size of the image
+    bool labels = true;                       ///< write the labels of the marks
     Uncertain uncertain = Uncertain::dashed;  ///< how the boxes of uncertain marks are drawn
 
     /// @param picture  8 bit, BGR or grey; not changed
     /// @param result   becomes a BGR picture of the same size; another one than `picture`
     void draw(const cv::Mat& picture, const Marks& marks, cv::Mat& result) const;
-    /// BGR; of one text always the same, and of two texts hardly ever; green without text.
+    /// BGR; always the same for one text, rarely the same for two; green without text.
     static cv::Scalar colour_of(const std::string& text);
 
 private:

@@ -1,4 +1,4 @@
-// Writes a label beside a box.
+// Writes a label next to a box.
 #pragma once
 
 #include <opencv2/core/mat.hpp>
@@ -12,7 +12,7 @@ namespace annotate {
 /// @param box    px; outside of the picture it gets no label. The label stands above it, or else inside or below, where
 /// the
 ///               picture has room and no other label stands
-/// @param taken  where labels stand already; this one is added
+/// @param taken  areas of existing labels; the new one is added
 void write_label(cv::Mat& picture, const std::string& text, const cv::Rect& box, const cv::Scalar& colour,
                  std::vector<cv::Rect>& taken);
 

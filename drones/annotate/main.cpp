@@ -1,5 +1,5 @@
-// The annotate drone receives pictures and what other drones found in them, and publishes the pictures with the
-// findings drawn in.
+// The annotate drone receives images and the results of other drones, and publishes the images with the results drawn
+// in.
 #include "drawing.hpp"
 #include "marks.hpp"
 

@@ -1,4 +1,4 @@
-// The JSON may come from anybody, so whatever is no valid mark is ignored.
+// The JSON is untrusted, so invalid marks are ignored.
 #include "marks.hpp"
 
 #include <nlohmann/json.hpp>
@@ -46,7 +46,7 @@ std::optional<cv::Point2d> point(const json& value)
     return x && y ? std::optional(cv::Point2d(*x, *y)) : std::nullopt;
 }
 
-/// A network that gives all keypoints tells with a score which of them it sees.
+/// A network that returns all keypoints marks the visible ones by their score.
 bool is_unseen(const json& point)
 {
     return point.is_array() && point.size() == 3 && point[2].is_number() && point[2].get<double>() < min_score;

@@ -1,4 +1,4 @@
-// Reads marks (boxes, points, lines) from the headers of other drones' events. Knows nothing of Hive.
+// Reads marks (boxes, points, lines) from the headers of other drones' events. Independent of Hive.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -16,12 +16,12 @@ struct Shape {
     std::vector<cv::Point2d> points;
 };
 
-/// Something that was found.
+/// One detected object.
 struct Mark {
     cv::Rect2d box = {};  ///< px
-    /// What has the same text has the same colour: the id of a track, else its class; empty: green.
+    /// Marks with the same text have the same colour: the id of a track, else its class; empty: green.
     std::string coloured_by = {};
-    std::string label = {};  ///< what to write beside it: "person #3 87 %"; printable ASCII, 48 characters at most
+    std::string label = {};  ///< the label: "person #3 87 %"; printable ASCII, 48 characters at most
     std::vector<Shape> shapes = {};
     bool framed = true;      ///< the box is drawn
     bool uncertain = false;  ///< a track that is not confirmed, or whose box is predicted
@@ -37,7 +37,7 @@ struct Region {
 struct Marks {
     std::vector<Mark> all = {};
     std::vector<Region> regions = {};
-    cv::Size2d seen = {};  ///< of the picture they were found in, px; empty: not told
+    cv::Size2d seen = {};  ///< of the image in which they were found, px; empty: unknown
 };
 
 /// The marks in a header: every object with numbers x, y, w and h that stands in one of its fields, alone or in an

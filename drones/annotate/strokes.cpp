@@ -8,7 +8,7 @@
 namespace annotate {
 namespace {
 
-/// The ends lie in the image, so a box that reaches far outside costs no more than one inside.
+/// Clips the ends to the image, so that a box far outside costs no more than one inside.
 void dashed_line(cv::Mat& picture, cv::Point from, cv::Point to, const cv::Scalar& colour, int width)
 {
     if (!cv::clipLine(picture.size(), from, to))

@@ -17,7 +17,7 @@ using namespace std::string_view_literals;
 
 constexpr std::string_view mapped_prefix = "\0\0\0\0\0\0\0\0\0\0\xFF\xFF"sv;
 
-/// An IPv6 address that means an IPv4 one becomes that one.
+/// An IPv4-mapped IPv6 address becomes the IPv4 one.
 std::string plain(std::string bytes)
 {
     return bytes.starts_with(mapped_prefix) ? bytes.substr(mapped_prefix.size()) : bytes;

@@ -1,5 +1,5 @@
-// Which addresses the drone connects to: a camera's name must not lead it into this machine or to its neighbours'
-// metadata.
+// Restricts the addresses to which the drone connects: a camera's name must not lead to this machine or to link-local
+// metadata services.
 #pragma once
 
 #include <sys/socket.h>
@@ -14,7 +14,7 @@ class AddressRule {
 public:
     AddressRule() = default;
     /// @param named  IPv4 and IPv6 addresses, separated by commas
-    /// @throws std::invalid_argument  naming what is no address
+    /// @throws std::invalid_argument  naming the invalid address
     explicit AddressRule(const std::string& named);
 
     [[nodiscard]] bool allows(const sockaddr& address) const;
@@ -24,7 +24,7 @@ private:
     std::vector<std::string> named_;  ///< the bytes of each, IPv4 as IPv4 whatever form it came in
 };
 
-/// As people write it, without the port.
+/// As text, without the port.
 std::string address_text(const sockaddr& address);
 
 }  // namespace axis

@@ -1,4 +1,4 @@
-// Maps parameters to names of VAPIX, and pictures to events.
+// Maps parameters to names of VAPIX, and images to events.
 #include "axis_drone.hpp"
 
 #include <certificate_file.hpp>
@@ -48,7 +48,7 @@ void read_back(const Parameters& applied, const char* name, int& variable)
         throw hive::Error(hive::Errc::refused, std::string("the camera has no number in ") + name);
 }
 
-/// What `before` does not have, or has with another value.
+/// The values that differ from `before`.
 Parameters changes(const Parameters& before, const Parameters& now)
 {
     Parameters result;
@@ -120,8 +120,8 @@ Access AxisDrone::access() const
             place_.certificate, AddressRule(place_.allow_address)};
 }
 
-/// A login goes to the camera that it was given for, and to nobody who is named later, perhaps from another machine:
-/// that is the camera that its file names, or else the one that the drone was started with.
+/// A login is sent only to the camera in its file, or else to the one with which the drone was started, and not to one
+/// that is set later, perhaps from another machine.
 void AxisDrone::require_own_login(const Access& access) const
 {
     if (!access.credentials)
@@ -145,8 +145,8 @@ try {
     throw;
 }
 
-/// Another place: a new link, which tells the camera what is wanted when it has found it. Otherwise the camera is told
-/// here, so that its refusal refuses the `set`. A `set` to what is there already means to try again.
+/// Another place: a new link, which configures the camera once it is connected. Otherwise the camera is configured
+/// here, so that its refusal refuses the `set`. A `set` that changes nothing is a retry.
 void AxisDrone::change()
 {
     if (opened_ != place_)
@@ -200,7 +200,7 @@ void AxisDrone::tell_camera(const Parameters& changed)
         link_->restart();
 }
 
-/// The camera has the last word.
+/// Adopts the values that the camera reports.
 void AxisDrone::take_over(const Parameters& applied)
 {
     read_back(applied, resolution_name, resolution_);
@@ -211,7 +211,7 @@ void AxisDrone::take_over(const Parameters& applied)
     read_back(applied, colour_name, colour_);
 }
 
-/// Looks several times a second even without a picture, to notice a stall.
+/// Checks several times a second even without an image, to detect a stall.
 std::chrono::microseconds AxisDrone::step()
 {
     if (!link_) {

@@ -17,7 +17,7 @@ public:
     void run() { drone_.run(); }
 
 private:
-    /// What a link is made with; a difference means another link.
+    /// The settings of a link; a difference requires a new link.
     struct Place {
         std::string url, credentials, certificate, allow_address, pace;
         bool basic_over_http = false;
@@ -44,9 +44,9 @@ private:
     int compression_ = -1, fps_ = -1, brightness_ = -1, colour_ = -1;
 
     std::optional<Place> opened_;
-    std::optional<Place> started_;  ///< where whoever started the drone sent it, with which login
-    Parameters told_;               ///< what the link has been told to make of the camera
-    bool refused_ = false;          ///< the last change; the next one puts everything back
+    std::optional<Place> started_;  ///< the camera and login with which the drone was started
+    Parameters told_;               ///< the configuration that the link has for the camera
+    bool refused_ = false;          ///< the camera refused the last change; the next one restores everything
     std::unique_ptr<CameraLink> link_;
     std::string condition_;
 };

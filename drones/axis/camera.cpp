@@ -23,7 +23,7 @@ const std::string& value_or_empty(const Parameters& values, const std::string& n
 
 bool is_jpeg(const std::string& type) { return type.starts_with("image/jpeg") || type.starts_with("image/jpg"); }
 
-/// Those of `wanted` that `present` has with another value.
+/// The values in `wanted` that differ from `present`.
 Parameters differences(const Parameters& wanted, const Parameters& present)
 {
     Parameters result;

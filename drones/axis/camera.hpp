@@ -1,4 +1,4 @@
-// Asks an Axis camera over VAPIX for its model, its parameters, single pictures and its stream.
+// Queries an Axis camera over VAPIX for its model, parameters, single images and stream.
 #pragma once
 
 #include "http.hpp"
@@ -10,30 +10,29 @@
 
 namespace axis {
 
-/// What the camera says it is; empty fields where it does not tell.
+/// The camera's model; empty fields if not reported.
 struct Model {
     std::string name, firmware, serial;
 };
 
-/// For one thread at a time. Every function throws CameraError and ends within its time: 4 s, a stream when it is
-/// silent for 2 s.
+/// For one thread at a time. Every function throws CameraError and returns within 4 s, a stream after 2 s without data.
 class Camera {
 public:
-    /// @param time  called ten times a second while waiting; may throw, to end it
+    /// @param time  called ten times a second while waiting; may throw to cancel
     explicit Camera(
         const Access& access, std::function<void()> time = [] {});
 
     /// @throws CameraError  not_vapix, if it is something else
     Model identify();
-    /// The present values of these parameters; those it does not have are missing.
+    /// The current values of these parameters; unknown ones are missing.
     Parameters list(const Parameters& names);
-    /// Makes the camera's parameters so, all or none: what it has already is not written again (its flash memory wears
-    /// out). Returns what it says to have afterwards.
+    /// Sets the camera's parameters, all or none. Equal values are not written again (flash memory wears out). Returns
+    /// the values that the camera reports afterwards.
     /// @throws CameraError  setting_refused, with the camera's reason
     Parameters apply(const Parameters& wanted);
     /// One picture, not checked.
     std::string snapshot();
-    /// Gives the parts of the stream until it ends, which is Trouble::closed.
+    /// Passes on the parts of the stream until it ends, with Trouble::closed.
     void stream(const std::function<void(Part)>& take);
 
 private:

@@ -1,4 +1,4 @@
-// What the link's thread does, and what its owner may ask and tell meanwhile.
+// The link's thread, and the calls of its owner.
 #include "camera_link.hpp"
 
 #include <mutex>
@@ -11,7 +11,7 @@ using namespace std::chrono_literals;
 using Clock = Lifeline::Clock;
 constexpr std::chrono::milliseconds look_at_credentials{1000}, give_up_without_picture{10'000};
 
-/// Ends a session that shall begin anew at once.
+/// Ends a session that restarts at once.
 struct Restart {};
 
 }  // namespace
@@ -48,7 +48,7 @@ private:
     [[nodiscard]] std::string told() const;
 
     // of the thread alone
-    LinkSettings settings_;                        ///< but for `wanted`, which is under the mutex
+    LinkSettings settings_;                        ///< except `wanted`, which is under the mutex
     std::function<void(const std::string&)> log_;  ///< called under the mutex, so that it ends with the link
     std::function<Size(const std::string&)> measure_;
     std::filesystem::file_time_type credentials_written_ = written_at(settings_.credentials_path);
@@ -102,7 +102,7 @@ void CameraLink::Work::session()
     settings_.pace == Pace::live ? live(camera) : on_demand(camera);
 }
 
-/// An anonymous viewer may see pictures, but perhaps no parameters: the pictures decide then.
+/// An anonymous viewer may have access to images but not to parameters: then an image decides.
 void CameraLink::Work::set_up(Camera& camera)
 {
     Parameters wanted;
@@ -127,7 +127,7 @@ void CameraLink::Work::set_up(Camera& camera)
     settings_trouble_ = trouble;
 }
 
-/// A camera that comes and goes is named once.
+/// A camera that reconnects is logged once.
 void CameraLink::Work::greet(const Model& model)
 {
     const std::string text =
@@ -157,7 +157,7 @@ void CameraLink::Work::on_demand(Camera& camera)
     }
 }
 
-/// What is not whole is never passed on.
+/// Never passes on a truncated image.
 void CameraLink::Work::accept(std::string bytes)
 {
     Picture picture{.jpeg = {}, .size = {}, .index = count_, .captured = std::chrono::system_clock::now()};
@@ -181,7 +181,7 @@ void CameraLink::Work::accept(std::string bytes)
     notify();
 }
 
-/// Ten times a second while the network is waited for.
+/// Ten times a second while waiting for the network.
 void CameraLink::Work::check()
 {
     notice_news();
@@ -194,7 +194,7 @@ void CameraLink::Work::check()
         throw Restart();
 }
 
-/// Until the next try is due.
+/// Until the next attempt is due.
 void CameraLink::Work::pause()
 {
     std::unique_lock lock(mutex_);
@@ -219,7 +219,7 @@ void CameraLink::Work::look_for_credentials()
         credentials_written_ = written;
         const std::lock_guard lock(mutex_);
         lifeline_.new_credentials(Clock::now());
-    } catch (const std::exception&) {  // it is being written, or gone: what is said already stays true
+    } catch (const std::exception&) {  // being written or missing: the condition stays
     }
 }
 

@@ -1,5 +1,4 @@
-// A thread that keeps in touch with one camera: connects, applies settings, fetches pictures, tries again when it is
-// lost.
+// A thread for one camera: connects, applies settings, fetches images, and reconnects.
 #pragma once
 
 #include "camera.hpp"
@@ -36,38 +35,36 @@ struct Picture {
 
 struct LinkSettings {
     Access access;
-    std::string credentials_path;  ///< looked at again while the password is wrong; a file that is only written again
+    std::string credentials_path;  ///< polled while the password is wrong; a file that is only touched
                                    ///< counts as new
     Pace pace = Pace::live;
-    Parameters wanted;  ///< applied whenever the camera has been found
+    Parameters wanted;  ///< applied at each connection
 };
 
-/// What the link tells its owner, each called from the link's thread and never after the link is destroyed; `measure`
-/// may be.
+/// Callbacks to the owner, called on the link's thread and never after the link is destroyed, except `measure`.
 struct LinkHooks {
-    std::function<void()> notice;                 ///< there is a picture, or another condition
-    std::function<void(const std::string&)> log;  ///< worth a line in the log
-    std::function<Size(const std::string&)>
-        measure;  ///< the size of a whole JPEG; throws saying what is wrong with any other
+    std::function<void()> notice;                     ///< a new image or condition
+    std::function<void(const std::string&)> log;      ///< a line for the log
+    std::function<Size(const std::string&)> measure;  ///< the size of a complete JPEG; throws for any other
 };
 
-/// For one thread (the drone's); the network is met on the link's own.
+/// For one thread (the drone's); the link's own thread uses the network.
 class CameraLink {
 public:
-    /// Its thread may be stuck in the resolution of a name; then it ends by itself.
+    /// A thread stuck in name resolution ends later by itself.
     CameraLink(LinkSettings settings, LinkHooks hooks);
 
-    /// The newest picture that was not yet taken.
+    /// The newest image not taken yet.
     std::optional<Picture> take();
-    /// Pace::demand: one more picture, please. Asking again before it has come changes nothing.
+    /// Pace::demand: requests one image. A further request before it has arrived has no effect.
     void ask();
-    /// What the camera is to be from now on, which somebody else has told it.
+    /// The new configuration of the camera, which the caller has already applied.
     void wanted(const Parameters& wanted);
-    /// Begins the stream anew: a camera gives a running stream no other size.
+    /// Restarts the stream: a camera does not change the size of a running one.
     void restart();
-    /// A password that is tried no more is tried once more; the file of credentials is read first.
+    /// Retries a password that is no longer tried, once, after reading the file of credentials again.
     void once_more();
-    /// The password was refused when it was last tried: whoever tries it elsewhere helps to lock its user out.
+    /// The password was refused at the last attempt: further attempts elsewhere would help to lock its user out.
     [[nodiscard]] bool login_refused() const;
     [[nodiscard]] std::string condition() const;
 

@@ -1,4 +1,4 @@
-// Accepts the few URLs that a camera can have, and refuses any other with a reason.
+// Accepts the URLs of cameras, and refuses any other with a reason.
 #include "camera_url.hpp"
 
 #include <charconv>

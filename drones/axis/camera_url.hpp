@@ -11,7 +11,7 @@ namespace axis {
 struct CameraUrl {
     std::string scheme;  ///< http or https
     std::string host;    ///< a name, an IPv4 address, or an IPv6 address in brackets
-    int port = 0;        ///< 0: as the scheme has it
+    int port = 0;        ///< 0: the default of the scheme
 
     [[nodiscard]] bool encrypted() const { return scheme == "https"; }
     /// scheme://host or scheme://host:port
@@ -19,11 +19,11 @@ struct CameraUrl {
     bool operator==(const CameraUrl&) const = default;
 };
 
-/// @throws std::invalid_argument  saying what is wrong; a password in the URL is not repeated
+/// @throws std::invalid_argument  with the reason, but without a password in the URL
 CameraUrl parse_camera_url(const std::string& text);
 
-/// A text from elsewhere as it may be logged: what stands between :// and @ is hidden, what follows ? is left out, and
-/// of long texts the end.
+/// Redacts a remote text for the log: hides the part between :// and @, and removes the part after ? and the end of
+/// long texts.
 inline std::string masked(std::string text) { return capture::shown_url(std::move(text)); }
 
 }  // namespace axis

@@ -1,4 +1,4 @@
-// The user and password of an Axis camera, and which camera they are for.
+// The user and password of an Axis camera, and the camera to which they belong.
 #pragma once
 
 #include "camera_url.hpp"
@@ -15,7 +15,7 @@ inline constexpr const char* password_variable = "HIVE_AXIS_PASSWORD";
 
 /// @param path  a file whose first line is user:password, and whose second line may be the URL of the camera that they
 /// are for; empty: the environment variables above
-/// @return  nothing when neither is there
+/// @return  nothing if both are missing
 /// @throws std::runtime_error  when the file cannot be read, is no such file, or others could read it too; when one
 /// variable is missing
 /// @throws std::invalid_argument  when the second line is no URL of a camera

@@ -41,7 +41,8 @@ struct Http::Handles {
     }
 };
 
-/// One request. libcurl's callbacks must not throw: what the sink throws is kept and thrown when libcurl has returned.
+/// One request. libcurl's callbacks must not throw: exceptions of the sink are kept and rethrown when libcurl has
+/// returned.
 class Http::Transfer {
 public:
     Transfer(Handles& handles, const Access& access, const Patience& patience, const Sink& sink)
@@ -87,7 +88,7 @@ private:
     Head head_;
     std::size_t head_size_ = 0;
     bool told_ = false, connected_ = false;
-    std::string blocked_;  ///< the address that is not allowed
+    std::string blocked_;  ///< the forbidden address
     std::exception_ptr thrown_;
     const Clock::time_point begun_ = Clock::now();
     Clock::time_point last_byte_ = begun_;
@@ -156,12 +157,12 @@ void Http::Transfer::prepare(const std::string& target)
     option(CURLOPT_WRITEDATA, this);
     if (!access_.certificate.empty()) {
         option(CURLOPT_CAINFO, access_.certificate.c_str());
-        option(CURLOPT_CAPATH, nullptr);  // or else those of the system would be trusted as well
+        option(CURLOPT_CAPATH, nullptr);  // otherwise those of the system would be trusted as well
     }
     prepare_login();
 }
 
-/// With two schemes, or digest alone, libcurl asks without a login first and obeys the camera's answer.
+/// With two schemes, or digest alone, libcurl first sends a request without a login, and follows the camera's answer.
 void Http::Transfer::prepare_login()
 {
     if (!access_.credentials)
@@ -172,7 +173,7 @@ void Http::Transfer::prepare_login()
     option(CURLOPT_PASSWORD, access_.credentials->password.c_str());
 }
 
-/// A login takes two answers; the head of the last one counts.
+/// A login takes two answers; the last one counts.
 void Http::Transfer::take_head_line(std::string_view line)
 {
     head_size_ += line.size();
@@ -231,7 +232,7 @@ void Http::Transfer::run(const std::string& target)
     finish(outcome().value_or(CURLE_RECV_ERROR));
 }
 
-/// Before there is a connection, libcurl watches the time.
+/// Until there is a connection, libcurl checks the timeout.
 void Http::Transfer::check_time() const
 {
     const auto now = Clock::now();

@@ -19,16 +19,16 @@
 
 namespace axis {
 
-/// Where the camera is and how it may be talked to.
+/// The address of the camera, and the permitted ways to connect.
 struct Access {
     CameraUrl url;
     std::optional<Credentials> credentials;
-    bool basic_over_http = false;  ///< may the password travel readable? Otherwise only as a digest, or inside https
+    bool basic_over_http = false;  ///< may the password be sent unencrypted? Otherwise only as a digest, or over https
     std::string certificate;       ///< file of the one certificate to trust for https; empty: those of the system
     AddressRule addresses;
 };
 
-/// The beginning of an answer.
+/// The head of an answer.
 struct Head {
     long status = 0;
     std::string type;                     ///< Content-Type
@@ -36,7 +36,7 @@ struct Head {
     std::vector<std::string> challenges;  ///< WWW-Authenticate
 };
 
-/// How long to wait, and how much to take.
+/// Timeouts and limits.
 struct Patience {
     std::chrono::milliseconds connecting{2000},
         silence{2000};  ///< until there is a connection; without a byte after that
@@ -44,11 +44,11 @@ struct Patience {
     std::size_t body = 65536;
 };
 
-/// Is told what comes. May throw: the transfer ends and fetch() throws it on.
+/// Receives the answer. May throw: the transfer ends and fetch() rethrows.
 struct Sink {
     std::function<void(const Head&)> head = [](const Head&) {};  ///< of a status 200, before its first byte
     std::function<void(std::string_view)> bytes = [](std::string_view) {};
-    std::function<void()> time = [] {};  ///< ten times a second, also when nothing comes
+    std::function<void()> time = [] {};  ///< ten times a second, even without data
 };
 
 struct Reply {
@@ -64,7 +64,7 @@ public:
     Http& operator=(const Http&) = delete;
 
     /// @param target  path and query, written by this program
-    /// @throws CameraError  for everything but a status 200
+    /// @throws CameraError  for every status except 200
     void fetch(const std::string& target, const Patience& patience, const Sink& sink);
     /// The whole answer, at most `patience.body` bytes. @param time  as Sink::time
     Reply get(const std::string& target, const Patience& patience, const std::function<void()>& time);

@@ -1,4 +1,4 @@
-// Explains HTTP answers that are no success, and transfers that fail.
+// Explains unsuccessful HTTP answers and failed transfers.
 #pragma once
 
 #include "http.hpp"
@@ -9,7 +9,7 @@ namespace axis {
 CameraError error_of_status(const Access& access, const Head& head);
 
 /// @param code     of libcurl, a CURLcode that is not CURLE_OK
-/// @param problem  what the operating system said last, an errno or 0
+/// @param problem  the last error of the operating system, an errno or 0
 CameraError error_of_transfer(const Access& access, const Patience& patience, int code, long problem);
 
 }  // namespace axis

@@ -1,10 +1,10 @@
-// Computes pauses, counts password attempts, and words the condition.
+// Computes pauses, counts password attempts, and writes the condition.
 #include "lifeline.hpp"
 
 namespace axis {
 namespace {
 
-/// Where nobody is, nobody is burdened.
+/// Attempts without an answer burden no camera.
 bool absent(Trouble trouble)
 {
     return trouble == Trouble::no_route || trouble == Trouble::refused || trouble == Trouble::no_answer

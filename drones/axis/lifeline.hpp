@@ -1,5 +1,5 @@
-// Decides when to try a camera again, when to give up on a password, and what the condition says. Pure logic: the
-// caller tells the time.
+// Decides when to retry a camera, when to give up on a password, and what the condition says. Pure logic: the caller
+// passes the time.
 #pragma once
 
 #include "trouble.hpp"
@@ -17,37 +17,36 @@ public:
     using Clock = std::chrono::steady_clock;
     using Time = Clock::time_point;
 
-    /// A picture that takes longer is missed.
+    /// An image that takes longer is missing.
     static constexpr std::chrono::milliseconds stalled_after{2000};
-    /// Between two attempts. It stays at the shortest while nobody is there or nothing is said: an attempt costs the
-    /// camera nothing then, and it is found soon when it is back.
+    /// Pause between two attempts. It stays at the minimum while nothing answers: such attempts cost the camera
+    /// nothing, and it is found soon after it is back.
     static constexpr std::chrono::milliseconds shortest{500}, longest{10'000};
-    /// So often is a password tried; a camera locks users out that fail more often.
+    /// Maximum attempts with a password; cameras lock out users who fail more often.
     static constexpr int most_logins = 3;
 
     explicit Lifeline(Time now) : next_try_(now) {}
 
-    /// From now on a picture is due.
+    /// An image is due from now on.
     void expect(Time now);
-    /// It came, whole.
+    /// A complete image has arrived.
     void picture(Time now);
     /// Nothing is due, and all is well.
     void content();
-    /// Something came that is no whole picture.
+    /// Something other than a complete image has arrived.
     void broken(const std::string& reason) { broken_ = reason; }
     void failed(const CameraError& error, Time now);
-    /// There are other credentials: they may be tried.
+    /// There are new credentials to try.
     void new_credentials(Time now);
-    /// Somebody wants the same ones tried again: once, because a camera counts. Without effect unless locked out.
+    /// Allows one more attempt with the same ones, because cameras count. No effect unless locked out.
     void once_more(Time now);
 
     [[nodiscard]] Time next_try() const { return next_try_; }
-    /// The password was wrong when it was last tried.
+    /// The password was wrong at the last attempt.
     [[nodiscard]] bool login_refused() const { return logins_ > 0; }
-    /// It was wrong so often that it is not tried again.
+    /// It was wrong so often that it is not retried.
     [[nodiscard]] bool locked_out() const { return logins_ >= most_logins; }
-    /// Empty when all is well; otherwise one sentence, which begins with "stalled" or "auth_failed" when it is one of
-    /// these.
+    /// Empty if all is well; otherwise one sentence, which starts with "stalled" or "auth_failed" in these two cases.
     [[nodiscard]] std::string condition(Time now) const;
 
 private:

@@ -104,7 +104,7 @@ bool MultipartReader::seek()
     return false;
 }
 
-/// Leaves the line of the boundary behind; false while its end has not come.
+/// Skips the line of the boundary; false until its end has arrived.
 bool MultipartReader::pass_boundary(std::size_t at)
 {
     const std::size_t end = buffer_.find('\n', at);
@@ -167,7 +167,7 @@ bool MultipartReader::read_open()
         return false;
     }
     std::size_t end = at;
-    while (end > 0 && buffer_[end - 1] == '-')  // of a boundary that begins with more dashes
+    while (end > 0 && buffer_[end - 1] == '-')  // of a boundary with additional dashes
         --end;
     if (end > 0 && buffer_[end - 1] == '\n')
         --end;

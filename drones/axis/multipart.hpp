@@ -1,5 +1,5 @@
-// Splits a stream of pictures (multipart/x-mixed-replace) into its parts, as cameras really write it: lengths may be
-// missing or wrong, boundaries have too many or too few dashes, and anything may lie between two parts.
+// Splits a stream of images (multipart/x-mixed-replace) into its parts, and tolerates real cameras: lengths may be
+// missing or wrong, boundaries may have too many or too few dashes, and there may be any bytes between two parts.
 #pragma once
 
 #include <cstddef>
@@ -13,10 +13,10 @@ namespace axis {
 
 struct Part {
     std::string type;   ///< of its Content-Type; empty if it has none
-    std::string bytes;  ///< what came between two boundaries, or as many bytes as it said; not checked
+    std::string bytes;  ///< between two boundaries, or by its length; not checked
 };
 
-/// The boundary that a Content-Type names, without quotes; nothing if it is no multipart or names none.
+/// The boundary that a Content-Type names, without quotes; nothing if it is not multipart or has none.
 std::optional<std::string> boundary_of(std::string_view content_type);
 
 /// Bytes in, parts out: no socket, no clock.
@@ -28,7 +28,7 @@ public:
 
     /// @throws CameraError  too_large: a part over 16 MiB or a head over 8 KiB; not_a_picture: no boundary in 16 MiB
     void feed(std::string_view bytes);
-    /// The stream has ended: a part that did not say its length may be whole all the same.
+    /// The stream has ended: a part without a length may be complete.
     void finish();
     std::optional<Part> next();
 
@@ -48,8 +48,8 @@ private:
     std::string boundary_;  ///< "--name", whatever dashes the camera writes before it
     std::string buffer_;
     Phase phase_ = Phase::between;
-    std::size_t length_ = 0;   ///< counted: what the head says
-    std::size_t seen_ = 0;     ///< open: so much of the buffer has no boundary in it
+    std::size_t length_ = 0;   ///< counted: by the head
+    std::size_t seen_ = 0;     ///< open: this much of the buffer has no boundary
     std::size_t skipped_ = 0;  ///< between: bytes since the last part
     std::map<std::string, std::string> head_;
     std::size_t head_size_ = 0;

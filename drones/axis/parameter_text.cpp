@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::size_t most_reason = 4000;
 
-/// Is it UTF-8? Good enough to tell it from Latin-1: every lead byte is followed by as many continuations as it says.
+/// Is it UTF-8? Good enough to distinguish it from Latin-1: every lead byte has its number of continuation bytes.
 bool is_utf8(std::string_view text)
 {
     for (std::size_t i = 0; i < text.size(); ++i) {
@@ -45,13 +45,13 @@ std::string to_utf8(std::string_view text)
     return result;
 }
 
-/// Names, values and reasons are short; whatever else a camera writes is cut off here.
+/// Names, values and reasons are short; longer texts are truncated.
 std::string_view cut(std::string_view text)
 {
     constexpr std::size_t most = 2000;  // of Latin-1, which becomes twice as long
     auto end = std::min(text.size(), most);
     for (int i = 0; i < 3 && end < text.size() && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80; ++i)
-        --end;  // not through a character of UTF-8
+        --end;  // not inside a UTF-8 character
     return text.substr(0, end);
 }
 

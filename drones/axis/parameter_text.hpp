@@ -1,4 +1,4 @@
-// Reads the text with which param.cgi answers `list` and `update`, and writes the queries.
+// Parses the answers of param.cgi to `list` and `update`, and writes the queries.
 #pragma once
 
 #include <map>
@@ -13,13 +13,13 @@ namespace axis {
 using Parameters = std::map<std::string, std::string>;
 
 struct ParameterList {
-    Parameters values;                ///< in UTF-8, whatever the camera speaks
+    Parameters values;                ///< converted to UTF-8
     std::vector<std::string> errors;  ///< the lines that begin with `#`, without it: they come with status 200
 };
 
 ParameterList parse_parameters(std::string_view body);
 
-/// Why an `update` was not taken; nothing when it was.
+/// Why an `update` was refused; nothing if it was not.
 std::optional<std::string> refusal_of(std::string_view body);
 
 /// A value of an Axis stream or sensor for a query: everything but letters, digits and -._~ is percent-encoded.

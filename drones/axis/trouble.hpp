@@ -7,23 +7,23 @@
 namespace axis {
 
 enum class Trouble {
-    not_allowed,      ///< the host is at an address that nobody has allowed
+    not_allowed,      ///< the address of the host is not allowed
     unknown_host,     ///< its name cannot be resolved
-    no_route,         ///< the network says that there is no way
-    refused,          ///< nobody listens there
+    no_route,         ///< no route to the network
+    refused,          ///< no listener there
     no_answer,        ///< no connection within its time
     silent,           ///< connected, but no byte within its time
-    closed,           ///< it closed the connection
+    closed,           ///< the camera closed the connection
     insecure,         ///< no encrypted connection could be made
     not_vapix,        ///< what answers is not an Axis camera
-    not_a_picture,    ///< something else came instead of pictures
+    not_a_picture,    ///< the answer is not an image
     too_large,        ///< an answer over its limit
-    redirected,       ///< it points elsewhere, where nobody goes
-    login_needed,     ///< it wants a user and a password, and there are none that may be sent
-    login_refused,    ///< it does not take the user and the password
-    refused_status,   ///< any other answer that is no success
-    setting_refused,  ///< it does not take a value
-    cancelled         ///< nobody wants the answer any more
+    redirected,       ///< a redirection, which is not followed
+    login_needed,     ///< login required, and none may be sent
+    login_refused,    ///< user or password refused
+    refused_status,   ///< any other unsuccessful answer
+    setting_refused,  ///< value refused
+    cancelled         ///< the answer is no longer needed
 };
 
 class CameraError : public std::runtime_error {

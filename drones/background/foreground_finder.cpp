@@ -23,8 +23,8 @@ cv::Ptr<cv::BackgroundSubtractor> make(const ModelSettings& settings)
     throw std::invalid_argument("no method " + settings.method + "; there are mog2 and knn");
 }
 
-/// By itself a young mixture takes a thing that stays for a few pictures into the background; at an even rate it takes
-/// a tenth of the history from the beginning. The samples of knn have to be filled quickly first.
+/// By default a new mixture learns a thing that stays for a few frames as background; at a constant rate this takes a
+/// tenth of the history from the start. The samples of knn must first be filled quickly.
 double learning_rate(const ModelSettings& settings) { return settings.method == "mog2" ? 1.0 / settings.history : -1; }
 
 constexpr int renewal = 25;  ///< pictures in which the known background hardly changes

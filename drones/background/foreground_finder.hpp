@@ -1,4 +1,4 @@
-// Finds what does not belong to the background: the algorithm of the background drone, plain OpenCV.
+// Finds the foreground: the algorithm of the background drone, plain OpenCV.
 #pragma once
 
 #include <opencv2/core/mat.hpp>
@@ -10,13 +10,13 @@
 
 namespace background {
 
-/// What the model of the background depends on; a change begins a new one.
+/// Settings of the background model; a change starts a new one.
 struct ModelSettings {
     std::string method = "mog2";  ///< mog2: a mixture of gaussians for each pixel; knn: its nearest earlier values
     int history = 500;            ///< pictures that the model remembers, at least 1
     double threshold = 0;  ///< squared distance from the background: in variances (mog2), in grey levels (knn); 0: 16
                            ///< (mog2), 400 (knn)
-    bool shadows = false;  ///< tell shadows from things
+    bool shadows = false;  ///< distinguish shadows from things
 
     bool operator==(const ModelSettings&) const = default;
 };

@@ -1,4 +1,4 @@
-// Tells a change of the light from things that come before the camera. Plain OpenCV.
+// Distinguishes a change of the light from things in front of the camera. Plain OpenCV.
 #pragma once
 
 #include <opencv2/core/mat.hpp>

@@ -1,4 +1,4 @@
-// The background drone receives pictures, and publishes the mask of the foreground and its boxes.
+// The background drone receives images, and publishes the mask of the foreground and its boxes.
 #include "foreground_finder.hpp"
 
 #include <colours.hpp>

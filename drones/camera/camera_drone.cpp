@@ -1,4 +1,4 @@
-// Maps parameters to sources, and pictures to events.
+// Maps parameters to sources, and images to events.
 #include "camera_drone.hpp"
 
 #include <certificate_file.hpp>
@@ -75,7 +75,7 @@ CameraDrone::CameraDrone(hive::Drone& drone)
     declare();
     drone_.on_start([] {
         cv::setNumThreads(1);                                                  // one drone, one core
-        cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_ERROR);  // what matters is thrown
+        cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_ERROR);  // relevant errors are exceptions
     });
     drone_.on_change([this] { apply(); });
     drone_.main([this] { return step(); });
@@ -130,7 +130,7 @@ CameraDrone::Wanted CameraDrone::wanted() const
                   fps_,
                   pace_};
     if (!is_scene(source_))
-        return wanted;  // what the scene shall show is no reason to open a file or a camera again
+        return wanted;  // parameters of the scene do not reopen a file or a camera
     wanted.source.scene.faces = faces_;
     wanted.source.scene.walkers = walkers_;
     wanted.source.scene.hand = hand_;
@@ -145,15 +145,15 @@ void CameraDrone::apply()
     if (opened_ == now && !(capture_ && capture_->gave_up()))
         return;
     open(now);
-    // The same scene with other things in it is no other source.
+    // The same scene with other things in it is the same source.
     if (opened_ && !(is_scene(source_) && opened_->source.text == source_))
         image_.begin_source();
     opened_ = now;
     say("");
 }
 
-/// What can be opened without waiting is opened here, so that a mistake refuses the `set`; devices and networks are
-/// left to the capture's thread, which tries again.
+/// Opens sources that do not block, so that an error refuses the `set`; the capture's thread opens devices and network
+/// cameras, and retries.
 void CameraDrone::open(const Wanted& wanted)
 {
     const SourceKind kind = source_kind(wanted.source.text);
@@ -181,10 +181,10 @@ void CameraDrone::open(const Wanted& wanted)
 
 std::chrono::microseconds CameraDrone::step() { return capture_ ? step_live() : step_on_demand(); }
 
-/// Looks twice a second even without a picture, to notice a stall.
+/// Checks twice a second even without an image, to detect a stall.
 std::chrono::microseconds CameraDrone::step_live()
 {
-    const bool ended = capture_->ended();  // if so, what can be taken now is the last
+    const bool ended = capture_->ended();  // if so, the next one taken is the last
     const auto frame = capture_->take();
     if (!ended)
         say(capture_->condition());
@@ -196,7 +196,7 @@ std::chrono::microseconds CameraDrone::step_live()
     return 500ms;
 }
 
-/// A file that cannot be read has its place in the sequence, so that nobody waits for it.
+/// An unreadable file has a number in the sequence, so that no receiver waits for it.
 std::chrono::microseconds CameraDrone::step_on_demand()
 {
     if (!on_demand_ || !image_.asked())
@@ -226,7 +226,7 @@ void CameraDrone::end(const std::string& cut_short)
     image_.end(cut_short);
 }
 
-/// So has a file that cannot be decoded.
+/// The same for a file that cannot be decoded.
 std::chrono::microseconds CameraDrone::send(const Frame& frame, bool lossless)
 {
     if (frame.begins_again)
@@ -242,13 +242,13 @@ std::chrono::microseconds CameraDrone::send(const Frame& frame, bool lossless)
     }
 }
 
-/// There is no picture, and everybody is told why; when a file is played again and again, the first time only.
+/// Reports why there is no image; for a looped file, only the first time.
 std::chrono::microseconds CameraDrone::lack(std::chrono::system_clock::time_point captured, bool lossless,
                                             hive::Errc code, const std::string& text)
 {
     if (is_news(text))
         image_.fail(captured, lossless, code, text);
-    return 10ms;  // where nothing but such pictures comes, that is no reason to spin
+    return 10ms;  // a source with only such images must not spin
 }
 
 bool CameraDrone::is_news(const std::string& text)
@@ -264,7 +264,7 @@ void CameraDrone::report(const std::vector<std::string>& sentences)
             drone_.report(hive::Errc::failed, sentence);
 }
 
-/// A JPEG that keeps its size travels as it is; everything else as pixels, which connections may have encoded.
+/// A JPEG that is not resized is sent unchanged; everything else as pixels, which connections may encode.
 void CameraDrone::emit(const Frame& frame, bool lossless)
 {
     const cv::Size own = frame.jpeg ? hive::vision::size_of(body_of(frame.jpeg), "image/jpeg") : frame.image.size();
@@ -281,7 +281,7 @@ void CameraDrone::emit(const Frame& frame, bool lossless)
         [&] { return untouched ? body_of(frame.jpeg) : pixels(frame, form, size); }, form.type);
 }
 
-/// What the picture is, beside its form.
+/// The fields of the header besides the image format.
 hive::Json CameraDrone::about(const Frame& frame) const
 {
     hive::Json header{{"index", frame.index}, {"source", shown_source(source_)}};

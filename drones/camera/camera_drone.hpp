@@ -21,12 +21,12 @@ public:
     explicit CameraDrone(hive::Drone& drone);
     CameraDrone(const CameraDrone&) = delete;
     CameraDrone& operator=(const CameraDrone&) = delete;
-    /// A capture that is stuck in a read may go on for a while: it must not borrow from a drone that has ended.
+    /// A capture that is stuck in a read may outlive the drone, and must not use the drone's loans then.
     ~CameraDrone() { memory_->close(); }
     void run() { drone_.run(); }
 
 private:
-    /// What the parameters say; a difference to what is open means opening again.
+    /// The source by the parameters; a difference to the open one means reopening.
     struct Wanted {
         SourceSettings source;
         double fps = 0;

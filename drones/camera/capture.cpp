@@ -1,4 +1,4 @@
-// Opens the source, reads it at the right pace, and opens it again when it is lost.
+// Opens the source, reads it at its pace, and reopens it when it is lost.
 #include "capture.hpp"
 
 #include "pacing.hpp"
@@ -17,7 +17,7 @@ using Clock = std::chrono::steady_clock;
 constexpr std::chrono::seconds stalled_after{2};
 constexpr std::chrono::milliseconds shortest_pause{500}, longest_pause{10'000};
 constexpr double usual_fps = 30;
-constexpr int most_refused_logins = 3;      ///< cameras lock out who tries too often
+constexpr int most_refused_logins = 3;      ///< cameras lock out users after too many attempts
 constexpr std::size_t most_problems = 100;  ///< that wait to be taken
 
 }  // namespace
@@ -101,7 +101,7 @@ private:
         notify();
     }
 
-    /// A picture that cannot be read is passed over. As long as others come, that is no state of the source.
+    /// Skips an unreadable image. As long as others arrive, the condition of the source is unaffected.
     void pass_over(const std::string& problem)
     {
         const bool alone = !std::exchange(gives_pictures_, false);
@@ -128,7 +128,7 @@ private:
         notify();
     }
 
-    /// What is not yet due is no stall.
+    /// An image that is not yet due is not a stall.
     bool hold_until(Clock::time_point due)
     {
         {
@@ -138,8 +138,7 @@ private:
         return wait_until(due);
     }
 
-    /// A file is held back until its picture is due: at `fps`, or else by its own times. One that cannot be read is
-    /// passed over.
+    /// Delays a file's image until it is due: at `fps`, or else by its own times. Skips an unreadable one.
     Outcome read_file(Source& source)
     {
         const double rate = fps_ > 0 ? fps_ : source.fps() > 0 ? source.fps() : usual_fps;
@@ -165,7 +164,7 @@ private:
         return Outcome::stopped;
     }
 
-    /// A camera cannot be held back: what comes too early for the schedule (by more than its jitter) is left out.
+    /// A camera cannot be delayed: frames that arrive too early for the schedule (by more than its jitter) are dropped.
     Outcome read_camera(Source& source)
     {
         const std::chrono::duration<double> jitter(fps_ > 0 ? 0.25 / fps_ : 0);
@@ -184,12 +183,12 @@ private:
         return Outcome::stopped;
     }
 
-    /// One life of the source; false if there shall be no other.
+    /// Opens the source and reads it until its end; false if it is not to be reopened.
     bool open_and_read()
     {
         try {
             if (!opening_.empty())
-                say(std::exchange(opening_, ""));  // once: later it is known why it has to be opened again
+                say(std::exchange(opening_, ""));  // once: later the reason for reopening is known
             const auto source = open_();
             const bool camera = at_end_ == AtEnd::open_again;
             if ((camera ? read_camera(*source) : read_file(*source)) == Outcome::stopped)

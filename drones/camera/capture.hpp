@@ -1,4 +1,4 @@
-// A thread that reads a source at its pace and keeps the newest picture for the drone.
+// A thread that reads a source at its pace and keeps the newest image for the drone.
 #pragma once
 
 #include "source.hpp"
@@ -13,8 +13,8 @@
 
 namespace camera {
 
-/// Opens the source, and again with growing pauses when it is lost; how it goes is told by condition(). All functions
-/// are for one thread (the drone's); opening and reading happen on the capture's own.
+/// Opens the source, and reopens it with growing pauses when it is lost; condition() has the state. All functions are
+/// for one thread (the drone's); the capture's own thread opens and reads.
 class Capture {
 public:
     using Opener = std::function<std::unique_ptr<Source>()>;
@@ -25,17 +25,17 @@ public:
     /// @param opening  what condition() says while it is being opened; empty: nothing
     Capture(Opener open, double fps, AtEnd at_end, std::function<void()> notice, std::string opening = "");
 
-    /// The newest picture that was not yet taken.
+    /// The newest image not taken yet.
     std::optional<Frame> take();
-    /// What is to be reported and was not taken yet: pictures that cannot be read, what was left out.
+    /// Problems not taken yet: unreadable images, omitted files.
     std::vector<std::string> problems();
     /// Why the end came too early; empty if it did not.
     [[nodiscard]] std::string cut_short() const;
     /// Has it ended because a login was refused three times?
     [[nodiscard]] bool gave_up() const;
-    /// Has a file come to its end? What take() gives after that is its last picture.
+    /// Has a file ended? After that, take() returns its last image.
     [[nodiscard]] bool ended() const;
-    /// Empty when pictures come; otherwise what is wrong: "stalled", "end of source", or why it does not open.
+    /// Empty while images arrive; otherwise the problem: "stalled", "end of source", or why it does not open.
     [[nodiscard]] std::string
     condition(std::chrono::steady_clock::time_point now = std::chrono::steady_clock::now()) const;
 

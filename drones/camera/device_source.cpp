@@ -14,7 +14,7 @@ namespace {
 
 class DeviceSource : public Source {
 public:
-    /// The device gives this, and that is not as it should be if there is a sentence about it.
+    /// The mode that the device reports, and a sentence if it is not the requested one.
     DeviceSource(cv::VideoCapture capture, cv::MatAllocator* memory, const DeviceForm& form,
                  const std::string& sentence)
         : capture_(std::move(capture)), memory_(memory), device_(to_text(form)), fps_(form.fps)
@@ -33,7 +33,7 @@ public:
         frame.device = device_;
         frame.fps = fps_;
         if (!frame.image.u || frame.image.u->refcount > 1)
-            frame.image = copied(frame.image);  // the capture has given its own buffer, which it will use again
+            frame.image = copied(frame.image);  // the capture returns its own buffer, which it will reuse
         frame.index = index_++;
         return frame;
     }
@@ -71,7 +71,7 @@ std::string letters_of(int code)
     return letters;
 }
 
-/// In the order that drivers want: the sizes depend on the format, the rates on both.
+/// In the order that drivers require: the sizes depend on the format, the rates on both.
 void ask(cv::VideoCapture& device, const DeviceForm& asked)
 {
     if (!asked.format.empty())

@@ -5,7 +5,7 @@
 
 namespace camera {
 
-/// What is drawn, and so the truth about it.
+/// The drawn hand, which is also the ground truth.
 struct DrawnHand {
     cv::Point2d palm;     ///< its centre, px
     double radius = 45;   ///< of the palm, px

@@ -1,6 +1,6 @@
-// What FFmpeg logs while it reads: the only way to see a camera's reply before FFmpeg acts on it, and to learn which of
-// its limits was reached, or that a file ends too early. The texts are those of libavformat 59 and libavutil 57; tests
-// hold each of them.
+// Reads FFmpeg's log: the only way to see a camera's reply before FFmpeg acts on it, and to detect which limit was
+// reached, or that a file ends too early. The texts are those of libavformat 59 and libavutil 57; tests check each of
+// them.
 #pragma once
 
 #include <cstdint>
@@ -22,16 +22,16 @@ public:
     virtual void refused_pixels(std::int64_t /*width*/, std::int64_t /*height*/) {}
     virtual void refused_streams() {}
     virtual void refused_format() {}
-    /// The decoder of JPEG has invented a part of a picture.
+    /// The JPEG decoder has invented a part of an image.
     virtual void damaged_scan() {}
-    /// An error in what is read, which FFmpeg may pass over: it tells some of them in no other way.
+    /// An error in the input, which FFmpeg may ignore: some errors are only in the log.
     virtual void demuxer_error(const std::string& /*text*/) {}
 
 protected:
     ~FfmpegLog() = default;
 };
 
-/// While it lives, what FFmpeg logs on this thread goes to `log`. Nothing is printed, then or later.
+/// During its lifetime, FFmpeg's log on this thread goes to `log`. FFmpeg prints nothing, then or later.
 class FfmpegLogWatch {
 public:
     explicit FfmpegLogWatch(FfmpegLog& log);

@@ -1,4 +1,4 @@
-// Turns what FFmpeg decodes into pictures.
+// Converts frames decoded by FFmpeg into images.
 #pragma once
 
 #include <ffmpeg.hpp>

@@ -1,4 +1,4 @@
-// The camera drone publishes pictures from a scene, files, devices and network cameras, live or on demand.
+// The camera drone publishes images from a scene, files, devices and network cameras, live or on demand.
 #include "camera_drone.hpp"
 
 int main(int argc, char** argv)

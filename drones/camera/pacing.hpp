@@ -24,8 +24,7 @@ public:
                    std::chrono::duration<double>(static_cast<double>(count_) / fps_));
     }
 
-    /// Takes one place of the schedule. Places that were missed by more than one are not made up for: no burst follows
-    /// a pause.
+    /// Advances the schedule by one. More than one missed place is not made up for: no burst follows a pause.
     void take(Clock::time_point now)
     {
         ++count_;

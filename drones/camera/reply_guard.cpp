@@ -58,15 +58,15 @@ void ReplyGuard::start_reply(std::string_view status_line)
     offers_basic_ = offers_digest_ = false;
 }
 
-/// FFmpeg's HTTP passes over more kinds of white space than its RTSP: an offer of basic counts with any of them, one of
-/// digest only with those of both.
+/// FFmpeg's HTTP skips more kinds of white space than its RTSP: basic counts as offered with any of them, digest only
+/// with those of both.
 void ReplyGuard::take_challenge(std::string_view value)
 {
     offers_basic_ = offers_basic_ || starts_with(without_leading(" \t\r\n\v\f", value), "basic");
     offers_digest_ = offers_digest_ || starts_with(value, "digest ");
 }
 
-/// A length that does not fit into FFmpeg's int would become another one, so that only lengths in range are taken.
+/// A length that does not fit into FFmpeg's int would overflow, so only lengths in range are accepted.
 void ReplyGuard::take_field(std::string_view name, std::string_view value)
 {
     const auto is = [&](std::string_view field) { return name.size() == field.size() && starts_with(name, field); };

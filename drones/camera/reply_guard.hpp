@@ -10,11 +10,11 @@ namespace camera {
 struct ReplyRules {
     bool rtsp = false;
     bool has_login = false;
-    bool basic_allowed = false;  ///< may the password be sent in a form that can be read back?
+    bool basic_allowed = false;  ///< may the password be sent unencrypted?
     bool redirects_allowed = false;
     long max_content = 64 * 1024;      ///< bytes of the body of an RTSP reply
     std::size_t max_head = 64 * 1024;  ///< bytes of the head of one reply
-    int max_challenges = 8;            ///< replies that ask for a login
+    int max_challenges = 8;            ///< replies that require a login
 };
 
 /// No socket, no clock. Once it has refused a reply, nothing more may be sent to the camera or read from it.
@@ -24,7 +24,7 @@ public:
 
     /// @param line  of the head of a reply, without its end; an empty line ends the head
     void take(std::string_view line);
-    /// Why the camera is refused, as the rest of a sentence; empty: it is not.
+    /// Why the camera is refused, as the rest of a sentence; empty: accepted.
     [[nodiscard]] const std::string& refusal() const noexcept { return refusal_; }
     void refuse(const std::string& reason);
 

@@ -1,4 +1,4 @@
-// The synthetic scene: moving drawn things before a wall, with sensor noise, and the truth about where they are.
+// The synthetic scene: moving drawn things in front of a wall, with sensor noise and ground truth.
 #pragma once
 
 #include "background.hpp"
@@ -25,7 +25,7 @@ struct SceneSettings {
     bool operator==(const SceneSettings&) const = default;
 };
 
-/// A thing that was drawn, and where.
+/// A drawn thing and its box.
 struct Truth {
     std::string kind;  ///< "face", "walker"
     int id;            ///< of this thing among its kind, the same in all pictures
@@ -41,7 +41,7 @@ struct ScenePicture {
     std::vector<DrawnHand> hands;  ///< none in the pictures without the hand
 };
 
-/// Everything that does not move is made once; a picture depends on the settings and its index alone.
+/// Static parts are drawn once; an image depends only on the settings and its index.
 class Scene {
 public:
     explicit Scene(const SceneSettings& settings);

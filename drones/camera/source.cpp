@@ -36,7 +36,7 @@ void decode(const std::vector<unsigned char>& bytes, cv::Mat& picture)
         cv::imdecode(bytes, cv::IMREAD_COLOR, &picture);
 }
 
-/// JPEG files are given as they are, for whoever passes them on; everything else is decoded here.
+/// Returns JPEG files unchanged, so that they can be forwarded; decodes everything else.
 Frame read_picture(const fs::path& path, cv::MatAllocator* memory)
 {
     Frame frame;

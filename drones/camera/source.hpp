@@ -1,4 +1,4 @@
-// Where pictures come from: one interface over the scene, files, folders, videos, devices and network cameras.
+// One interface for all sources of images: the scene, files, folders, videos, devices and network cameras.
 #pragma once
 
 #include "scene.hpp"
@@ -17,7 +17,7 @@
 
 namespace camera {
 
-/// One picture as a source gives it: pixels, or the untouched bytes of a JPEG file.
+/// One image of a source: pixels, or the unchanged bytes of a JPEG file.
 struct Frame {
     cv::Mat image;                                           ///< BGR or grey, grey also of 16 bits; empty with `jpeg`
     std::shared_ptr<const std::vector<unsigned char>> jpeg;  ///< a whole JPEG file, not checked
@@ -38,14 +38,14 @@ enum class SourceKind { scene, image, folder, video, device, url };
 struct SourceSettings {
     std::string text = "scene";  ///< scene, scene:brick|noise|plain, a path, /dev/videoN, http(s):// or rtsp://
     cv::Size size{0, 0};         ///< of the scene, and asked of a device; 0: 640 and 480. Files and URLs have their own
-    double fps = 0;              ///< asked of a device; 0: as it likes
+    double fps = 0;              ///< requested from a device; 0: driver default
     bool loop = true;            ///< files begin again at their end
     SceneSettings scene;         ///< its size and background are taken from above
     std::string credentials = {};   ///< of a network camera: a file with user:password; empty: of the environment
     std::string transport = "tcp";  ///< of RTSP
     bool basic_over_http = false;   ///< of a network camera: may the password be sent unencrypted?
     std::string certificate = {};   ///< of https: file of the certificate to trust; empty: those of the system
-    std::string format = {};        ///< asked of a device: four letters, "MJPG"; empty: as it likes
+    std::string format = {};        ///< requested from a device: four letters, "MJPG"; empty: driver default
 
     bool operator==(const SourceSettings&) const = default;
 };
@@ -55,13 +55,13 @@ class Source {
 public:
     virtual ~Source() = default;
     /// The next picture; nothing at the end. A device or a URL waits for it, at most about 2 s.
-    /// @throws std::runtime_error  saying what cannot be read
+    /// @throws std::runtime_error  naming the unreadable input
     virtual std::optional<Frame> next() = 0;
     /// Pictures per second that the source was made with; 0 if it has no rate of its own.
     [[nodiscard]] virtual double fps() const { return 0; }
     /// How many pictures it has in all, exactly after the last one; 0: unknown, or no end.
     [[nodiscard]] virtual std::int64_t count() const { return 0; }
-    /// What is to be said about it beside its pictures, each sentence once: what was left out, what is missing.
+    /// Messages about the source, each sentence once: omitted files, missing parts.
     std::vector<std::string> news() { return std::exchange(news_, {}); }
     /// At the end: why it came too early; empty if it did not.
     [[nodiscard]] virtual std::string cut_short() const { return ""; }
@@ -73,33 +73,33 @@ private:
     std::vector<std::string> news_;
 };
 
-/// A camera did not take the login: whoever tries again and again may be locked out.
+/// A camera refused the login: repeated attempts may lock the user out.
 class LoginRefused : public std::runtime_error {
 public:
     using std::runtime_error::runtime_error;
 };
 
-/// What kind of source a text names, without opening it (files are looked at, devices and networks are not asked).
+/// The kind of source by its text, without opening it (files are checked, devices and networks are not queried).
 /// @throws std::runtime_error  if there can be none: no such file, an unknown word, a URL with a password in it
 SourceKind source_kind(const std::string& text);
 
 /// Is this file a picture that OpenCV reads, by its name, or else by its first bytes?
 bool is_picture(const std::filesystem::path& file);
 
-/// Is it drawn? Says so of any text, also of a scene that there is not.
+/// Is it drawn? True for any text of a scene, even an unknown one.
 bool is_scene(const std::string& text);
 
 /// Can this be the name of a device's format? So can an empty one, which means any.
 bool is_format(const std::string& text);
 
-/// Does it have a rate of its own, which nobody can slow down or speed up?
+/// Does it have its own fixed rate?
 inline bool is_live(SourceKind kind) { return kind == SourceKind::device || kind == SourceKind::url; }
 
 /// @param memory  where the pixels of its pictures shall lie (kept, for the source's thread); null: OpenCV's own
-/// @throws std::runtime_error  saying what is missing
+/// @throws std::runtime_error  naming what is missing
 std::unique_ptr<Source> open_source(const SourceSettings& settings, cv::MatAllocator* memory = nullptr);
 
-/// The text as it may be shown to others: a URL without what follows a `?`.
+/// The text for display: a URL without the part after `?`.
 std::string shown_source(const std::string& text);
 
 }  // namespace camera

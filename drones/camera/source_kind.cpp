@@ -1,4 +1,4 @@
-// Tells the kind of a source from its text, and refuses what can never be opened.
+// Determines the kind of a source from its text, and refuses invalid ones.
 #include "source.hpp"
 
 #include <opencv2/imgcodecs.hpp>
@@ -25,7 +25,7 @@ bool ends_as_image(const fs::path& path)
     return std::ranges::find(suffixes, suffix) != suffixes.end();
 }
 
-/// A password in a URL would be seen by everybody who asks for the parameters or lists the processes.
+/// Every user who queries the parameters or lists the processes would see a password in a URL.
 void refuse_credentials(const std::string& url)
 {
     const std::size_t begin = url.find("://") + 3;

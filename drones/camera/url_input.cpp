@@ -1,4 +1,4 @@
-// Interrupts FFmpeg where it has no limit of its own.
+// Interrupts FFmpeg at limits that FFmpeg itself does not have.
 #include "url_input.hpp"
 
 #include "url_options.hpp"

@@ -1,5 +1,4 @@
-// A connection to a network camera through libavformat: every wait has a deadline, and what the camera may send has
-// limits.
+// A connection to a network camera with libavformat: every wait has a deadline, and all input has limits.
 #pragma once
 
 #include "ffmpeg_log.hpp"
@@ -21,7 +20,7 @@ public:
     /// Connects, and reads until the format of the stream is known.
     /// @throws std::runtime_error  naming the camera and what is wrong; LoginRefused
     explicit UrlInput(const UrlSettings& settings);
-    /// FFmpeg asks whether to go on until the connection is closed, which is after it has freed the context.
+    /// FFmpeg polls this callback until the connection is closed, which is after it has freed the context.
     ~UrlInput() { context_ = nullptr; }
     UrlInput(const UrlInput&) = delete;
     UrlInput& operator=(const UrlInput&) = delete;
@@ -34,9 +33,9 @@ public:
     [[nodiscard]] const AVStream* video() const;
     /// Frames per second, as the description of an RTSP stream says; 0: it does not.
     [[nodiscard]] double described_fps() const { return described_fps_; }
-    /// Until when the next packets have to come, and what is said if they do not.
+    /// The deadline for the next packets, and the error if they miss it.
     void expect_until(Clock::time_point deadline, const char* otherwise);
-    /// The URL as it may be shown.
+    /// The URL for display.
     [[nodiscard]] std::string shown() const;
 
 private:

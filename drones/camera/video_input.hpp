@@ -1,4 +1,4 @@
-// Reads and decodes the video of a file, and notes what it lacks.
+// Reads and decodes the video of a file, and records what is missing.
 #pragma once
 
 #include "ffmpeg_log.hpp"
@@ -24,9 +24,9 @@ public:
     [[nodiscard]] std::optional<std::chrono::microseconds> time() const;
     /// Of the stream; 0: unknown.
     [[nodiscard]] double fps() const { return fps_; }
-    /// Clockwise, as the file wants its frames to be shown.
+    /// Clockwise rotation for display, by the file.
     [[nodiscard]] int quarter_turns() const { return quarter_turns_; }
-    /// How many frames it has; where it says only how long it lasts, that is an estimate; 0: unknown.
+    /// The number of frames; an estimate if the file has only its duration; 0: unknown.
     [[nodiscard]] std::int64_t frames() const;
     /// After the last frame: what was missing or damaged, as a sentence; empty: nothing was. Only what FFmpeg found
     /// while it read counts, and the number of frames where the file has a table of them: no estimate.

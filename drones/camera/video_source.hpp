@@ -12,7 +12,7 @@ cv::Size size_or_default(cv::Size size);
 
 std::unique_ptr<Source> open_video(const std::string& path, bool loop, cv::MatAllocator* memory);
 
-/// What is asked of a device, and what it says that it gives. Empty or 0: as it likes, or unknown.
+/// The requested or reported mode of a device. Empty or 0: driver default, or unknown.
 struct DeviceForm {
     std::string format;  ///< four letters: "MJPG"
     cv::Size size;
@@ -20,13 +20,13 @@ struct DeviceForm {
 };
 /// "MJPG 1280x720 at 30 fps"
 std::string to_text(const DeviceForm& form);
-/// Does a device that was asked for the one give the other?
+/// Does the reported mode match the requested one?
 bool fits(const DeviceForm& asked, const DeviceForm& got);
-/// What the device gives is told with each picture, and once in a sentence where it is not what was asked for.
+/// Each frame has the reported mode; one message reports a difference to the requested one.
 /// @throws std::runtime_error  saying what is missing
 std::unique_ptr<Source> open_device(const std::string& path, const DeviceForm& asked, cv::MatAllocator* memory);
 
-/// What a network camera may cost.
+/// Limits of a network camera.
 struct UrlLimits {
     std::int64_t pixels = 40'000'000;         ///< of a picture
     std::int64_t bytes = 16 << 20;            ///< of a packet; over HTTP also from one packet of video to the next
@@ -48,7 +48,7 @@ struct UrlSettings {
     std::string certificate = {};   ///< file of the certificate to trust for https; empty: those of the system
     UrlLimits limits = {};
 };
-/// A login whose file names a camera goes to no other.
+/// A login whose file names a camera is sent to no other.
 /// @throws std::runtime_error  when the login is for another camera, or cannot be read
 UrlSettings url_settings(const SourceSettings& settings);
 /// Opening takes at most 20 s, a picture 10 s. The end of the stream is the end of the source.

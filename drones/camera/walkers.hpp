@@ -11,7 +11,7 @@ namespace camera {
 
 /// One of the people in a picture.
 struct Passer {
-    int id;  ///< from 1: nobody else in the scene has it, before or after
+    int id;  ///< from 1, unique in the scene
     Walker walker;
 };
 

@@ -11,7 +11,7 @@
 
 namespace box_array {
 
-/// px; what lies further away is in no image, and squares of it stay exact enough.
+/// px; no image is that large, and squares are still exact enough.
 inline constexpr double max_px = 1e6;
 
 [[noreturn]] inline void malformed(const std::string& text) { throw hive::Error(hive::Errc::malformed, text); }

@@ -1,4 +1,4 @@
-// A thread that takes pictures for a drone, of which the newest is kept.
+// A thread that captures images for a drone and keeps the newest.
 #pragma once
 
 #include <chrono>
@@ -12,8 +12,8 @@
 
 namespace capture {
 
-/// What the thread does, and what it shares with its owner. It outlives its owner when the thread is stuck, so it keeps
-/// everything that the thread needs.
+/// The work of the thread, and the state shared with its owner. It outlives the owner if the thread is stuck, so it
+/// owns everything that the thread needs.
 class Work {
 public:
     using Clock = std::chrono::steady_clock;
@@ -31,7 +31,7 @@ protected:
     [[nodiscard]] bool is_stopping() const;
     /// Waits; false if the thread is to end.
     bool wait_until(Clock::time_point when);
-    /// Tells the owner that there is news. The mutex is held.
+    /// Notifies the owner. The mutex is held.
     void notify();
 
     mutable std::mutex mutex_;         ///< for all that the thread and its owner share
@@ -46,13 +46,13 @@ private:
     bool ended_ = false;
 };
 
-/// Work that gives pictures.
+/// Work that produces images.
 template <class Picture>
 class PictureWork : public Work {
 public:
     using Work::Work;
 
-    /// The newest picture that was not yet taken.
+    /// The newest image not taken yet.
     std::optional<Picture> take()
     {
         const std::lock_guard lock(mutex_);

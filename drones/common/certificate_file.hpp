@@ -5,7 +5,7 @@
 
 namespace capture {
 
-/// @param path  a file with a certificate in PEM within its first MiB; empty: none is named, which is right
+/// @param path  a file with a certificate in PEM within its first MiB; empty: none, which is valid
 /// @throws std::runtime_error  naming the file and what is wrong with it
 void check_certificate(const std::string& path);
 

@@ -1,4 +1,4 @@
-// Describes the colours of a thing in a picture by a few numbers, so that it is known again. Plain OpenCV.
+// Describes the colours of an object by a few numbers, so that it can be recognized. Plain OpenCV.
 #pragma once
 
 #include <opencv2/core/mat.hpp>
@@ -16,7 +16,7 @@ inline constexpr int numbers = 20;
 /// @param picture  8 bit, BGR or grey
 /// @param box      px; the part of it that lies in the picture is looked at, by at most about 4000 pixels
 /// @param mask     8 bit, of the picture's size: only where it is 255; empty: an ellipse that fills the box
-/// @return         empty when there is nothing to look at
+/// @return         empty without any pixels
 std::vector<int> of(const cv::Mat& picture, const cv::Rect& box, const cv::Mat& mask = {});
 
 }  // namespace colours

@@ -12,7 +12,7 @@ namespace frame_order {
 
 class Order {
 public:
-    /// Does this picture go on from the last one? No for the first of a source, or of a restarted one.
+    /// Does this frame continue the last one? False for the first of a source or of a restarted one.
     /// @throws hive::Error  refused: it comes after a later picture of its source. If the same drone sent both, it does
     ///                      not count; otherwise the next picture may go on from it: no drone may number for another.
     ///                      Refused as well: its source was left for another one, which still sends; it does not count

@@ -21,11 +21,11 @@ struct CredentialVariables {
 
 /// @param path  a file whose first line is user:password, and whose second line may be a URL; empty: the environment
 /// variables
-/// @return  nothing when neither is there
+/// @return  nothing if both are missing
 /// @throws std::runtime_error  when the file cannot be read, is no such file, or others could read it too; when one
 /// variable is missing
 std::optional<Credentials> read_credentials(const std::string& path, const CredentialVariables& variables);
-/// When the file was written; always the same time when there is none.
+/// When the file was written; a constant time if there is none.
 std::filesystem::file_time_type written_at(const std::string& path);
 
 }  // namespace capture

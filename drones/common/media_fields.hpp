@@ -1,11 +1,11 @@
-// What a picture from a file says of itself, for those who make something of it to pass on.
+// Passes on the file metadata of an image.
 #pragma once
 
 #include <hive/json.hpp>
 
 namespace media_fields {
 
-/// Copies the name of the file, its frame rate and the picture's time in it, where they are told.
+/// Copies the name of the file, its frame rate and the image's time in it, if present.
 inline void pass_on(const hive::Json& from, hive::Json& to)
 {
     for (const char* field : {"file", "fps", "media_time_us"})

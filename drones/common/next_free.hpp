@@ -1,4 +1,4 @@
-// Another name for a file that must not be written over.
+// Finds another name for a file that must not be overwritten.
 #pragma once
 
 #include <filesystem>
@@ -6,7 +6,7 @@
 
 namespace next_free {
 
-/// "run-2.hive" for "run.hive", "run-3.hive" for that, "run-2/" for "run/"; the first that is not there.
+/// "run-2.hive" for "run.hive", "run-3.hive" for that, "run-2/" for "run/"; the first that does not exist.
 /// @param folder  where `file` is looked for when it is relative; empty: in the present one
 std::string after(const std::filesystem::path& folder, const std::filesystem::path& file);
 

@@ -1,4 +1,4 @@
-// URLs as they may be shown to others: without logins, queries and control characters.
+// URLs for display: without logins, queries and control characters.
 #pragma once
 
 #include <string>

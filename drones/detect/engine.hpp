@@ -24,10 +24,10 @@ public:
     [[nodiscard]] virtual std::vector<cv::Mat> run(const cv::Mat& input) = 0;
 };
 
-/// OpenCV's DNN, which is always there. @throws EngineError
+/// OpenCV's DNN, which is always available. @throws EngineError
 std::unique_ptr<Engine> opencv_engine(const std::string& model);
 
-/// ONNX Runtime, where the machine has it: it runs all operators of ONNX.
+/// ONNX Runtime, if installed: it runs all operators of ONNX.
 /// @param library  path of libonnxruntime.so; empty: where the dynamic linker finds it
 /// @throws EngineError  also if there is no such library
 std::unique_ptr<Engine> onnxruntime_engine(const std::string& model, const std::string& library);

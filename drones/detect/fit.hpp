@@ -1,4 +1,4 @@
-// Fits pictures into a network's input, and places there back into the picture.
+// Fits images into a network's input, and maps coordinates back to the image.
 #pragma once
 
 #include <opencv2/core/mat.hpp>

@@ -11,7 +11,7 @@
 
 namespace detect {
 
-/// Where things stand in one row of a table, an object a row. A place of -1: not there.
+/// The columns of a table with one object per row. -1: missing.
 struct Layout {
     enum class Table {
         rows,
@@ -22,8 +22,8 @@ struct Layout {
     };  ///< apart: boxes and scores in two; lists: boxes, classes and scores in three; single: scores without boxes
     enum class Box { centre, corners };
     enum class Extra { none, mask, keypoints, angle };  ///< at the end of the row
-    enum class Scores { plain, sigmoid, softmax };      ///< what makes the numbers scores from 0 to 1
-    enum class Background { none, first, last };        ///< the class that is no object
+    enum class Scores { plain, sigmoid, softmax };      ///< the function that maps the numbers to scores from 0 to 1
+    enum class Background { none, first, last };        ///< the class that is not an object
 
     std::string_view name;     ///< as the parameter `layout` has it
     std::string_view outputs;  ///< their shapes, as a person reads them
@@ -44,7 +44,7 @@ std::span<const Layout> layouts();
 /// @throws std::out_of_range
 const Layout& layout_named(std::string_view name);
 
-/// What is known of a network beside its outputs.
+/// Other information on a network besides its outputs.
 struct Knowledge {
     std::size_t classes = 0;  ///< that have names; 0: unknown
     cv::Size input = {};

@@ -1,4 +1,4 @@
-// Makes the outline of an object from what a segmenting network says of its mask.
+// Computes the outline of an object from the mask of a segmenting network.
 #pragma once
 
 #include <opencv2/core/mat.hpp>

@@ -1,4 +1,4 @@
-// Converts the outputs of a detector network to what it claims to see.
+// Converts the outputs of a detector network to candidates.
 #pragma once
 
 #include "layouts.hpp"
@@ -7,7 +7,7 @@
 
 namespace detect {
 
-/// Something that a network claims to see, in px of its input.
+/// A detected candidate, in px of the network's input.
 struct Candidate {
     cv::Rect2d box = {};            ///< upright, before it is turned by `angle`
     int class_index = 0;            ///< from 0; as the model counts: of SSD 0 is the background

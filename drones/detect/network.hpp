@@ -12,7 +12,7 @@
 
 namespace detect {
 
-/// What has to be known about a model; each model's page tells.
+/// The settings of a model, from the model's page.
 struct NetworkSettings {
     std::string model;    ///< path of the .onnx file
     std::string classes;  ///< path of a text file, one name a line in the order of the model; empty: those that the
@@ -36,7 +36,7 @@ public:
         0.45;  ///< of two boxes of one class that overlap more (intersection over union), the better one is kept
 
     /// Reads the files and runs the model once, to see that it can run and what its output is.
-    /// @throws std::runtime_error  a sentence about what is wrong
+    /// @throws std::runtime_error  with the reason as a sentence
     explicit Network(const NetworkSettings& settings);
 
     /// @param picture  8 bit, BGR or grey; not changed

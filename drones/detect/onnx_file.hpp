@@ -1,5 +1,5 @@
-// What an ONNX file says of the model in it, read without the network: the size of its input, and what Ultralytics'
-// exports say of its classes and its task.
+// Reads the metadata of an ONNX file without loading the network: the size of its input, and the classes and task of
+// Ultralytics' exports.
 #pragma once
 
 #include <opencv2/core/types.hpp>
@@ -21,8 +21,8 @@ struct ModelCard {
     bool operator==(const ModelCard&) const = default;
 };
 
-/// Reads a few fields and leaps over the weights. A file that is damaged, or none, tells nothing; whether it is a model
-/// is not for this function to say.
+/// Reads a few fields and skips the weights. A damaged or invalid file gives empty fields; this function does not check
+/// that it is a model.
 ModelCard model_card(const std::string& path);
 
 /// {0: 'person', 1: "cat's bed"} in the order of the numbers, which have to be 0, 1, 2 and so on; empty if it is

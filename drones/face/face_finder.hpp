@@ -9,7 +9,7 @@
 
 namespace face {
 
-/// The cascade that OpenCV brings, where Debian puts it (package opencv-data).
+/// The path of OpenCV's cascade in Debian (package opencv-data).
 inline constexpr const char* default_cascade = "/usr/share/opencv4/haarcascades/haarcascade_frontalface_default.xml";
 
 class FaceFinder {
@@ -20,7 +20,7 @@ public:
     int max_size = 0;       ///< side of the largest face, px; 0: no limit
     bool equalise = false;  ///< spread the grey levels first
 
-    /// Throws std::runtime_error saying what is missing.
+    /// Throws std::runtime_error naming the missing file.
     void load(const std::string& cascade_path);
     /// @param picture  8 bit, BGR or grey; not changed
     /// @return  boxes in px, from top to bottom, then from left to right

@@ -27,14 +27,14 @@ public:
 
     /// @param picture  8 bit, BGR or grey; not changed
     /// @return  from top to bottom, then from left to right
-    /// @throws std::runtime_error  what the model gives for a picture of this size is not what YuNet gives
+    /// @throws std::runtime_error  the outputs for an image of this size are not those of a YuNet
     [[nodiscard]] std::vector<Face> find(const cv::Mat& picture);
 
 private:
     void prepare(cv::Size size);
 
     std::string path_;
-    cv::dnn::Net net_;  ///< to see what the model gives, before the detector relies on it
+    cv::dnn::Net net_;  ///< to check the model's outputs before the detector uses them
     cv::Ptr<cv::FaceDetectorYN> detector_;
     cv::Size size_;  ///< that it is prepared for
 };

@@ -15,11 +15,11 @@ namespace gesture {
 class GestureFinder {
 public:
     int max_hands = 1;      ///< the largest so many silhouettes are read
-    int smooth = 5;         ///< narrower specks, hairs and gaps of the silhouette are not looked at, px; 0: all are
+    int smooth = 5;         ///< narrower specks, hairs and gaps of the silhouette are ignored, px; 0: none
     double min_area = 0.5;  ///< of the smallest silhouette, % of the picture
 
     /// @param silhouette  8 bit, one channel, not 0 in the silhouette; not changed
-    /// @return  the largest first; a silhouette that is not of a hand is read as if it were
+    /// @return  the largest first; any silhouette is read as a hand
     [[nodiscard]] std::vector<Hand> find(const cv::Mat& silhouette) const;
 
     struct Read {

@@ -15,10 +15,10 @@ struct Hand {
     double radius = 0;            ///< of that disc, px
     std::vector<cv::Point> tips;  ///< of the extended fingers, clockwise from the arm; at most 5
     std::optional<double>
-        angle;  ///< where the hand points, degrees clockwise from upwards, above -180 to 180; none when nothing tells
+        angle;  ///< direction of the hand, degrees clockwise from upwards, above -180 to 180; none if unknown
 };
 
-/// What the hand shows: fist, one, two, three, four, open.
+/// The pose: fist, one, two, three, four, open.
 std::string_view pose(const Hand& hand);
 /// Outlines boxes and palms, and marks the fingers, in a BGR picture.
 void draw(cv::Mat& picture, const std::vector<Hand>& hands);

@@ -1,4 +1,4 @@
-// Finds hands in colour pictures by the colour of somebody's skin, and reads them. Plain OpenCV.
+// Finds hands in colour images by the colour of the person's skin, and reads them. Plain OpenCV.
 #pragma once
 
 #include "gesture_finder.hpp"
@@ -13,20 +13,21 @@
 
 namespace gesture {
 
-/// The skin is that of a face in the picture, or of a region that somebody points at; without both, everything of the
-/// colours of SkinRange may be skin. Faces and necks are left out. Each place where a disc of the size of a palm fits
-/// into what is left is looked at closely: enlarged, with the colour of that very place, and without what is further
-/// away than a hand reaches, so that an arm ends at the wrist. The best one that looks like a hand is one.
+/// The skin is that of a face in the image, or of a given region; without both, all colours in SkinRange may be skin.
+/// Faces and necks are excluded. Each place where a disc of the size of a palm fits into the remaining area is
+/// examined: enlarged, with the colour of that place, and without pixels further away than a hand reaches, so that an
+/// arm ends at the wrist. The best place that looks like a hand is the hand.
 class HandSearch {
 public:
     int max_hands = 1;
     double tolerance = 3;  ///< how far a colour may be from that of the skin, standard deviations
     cv::Rect region;       ///< of skin, px; empty: look for a face
     SkinRange range;       ///< without a face and a region
-    /// Says which of the best places is a hand, and reads it; none: the outline tells.
+    /// Decides which of the best places is a hand, and reads it; null: decide by the outline.
     std::optional<HandLandmarks> landmarks;
 
-    /// The cascade that finds faces; without one no face is looked for. @throws std::runtime_error  says what is wrong
+    /// The cascade that finds faces; without one there is no face detection. @throws std::runtime_error  with the
+    /// reason
     void load_faces(const std::string& cascade_path);
     /// @param picture  8 bit, BGR; not changed
     /// @return  the best first
@@ -38,7 +39,7 @@ private:
         cv::Point middle;
         double radius;  ///< px
     };
-    /// What looks like a hand, and how much.
+    /// A candidate and its score.
     struct Candidate {
         Hand hand;
         SkinColour skin;

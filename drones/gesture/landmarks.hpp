@@ -27,7 +27,7 @@ class HandLandmarks {
 public:
     static constexpr double least_presence = 0.5;
 
-    /// Reads the file and runs it once. @throws std::runtime_error  a sentence about what is wrong
+    /// Reads the file and runs it once. @throws std::runtime_error  with the reason as a sentence
     explicit HandLandmarks(const std::string& path);
 
     /// Reads the hand again, around its palm and turned upright; nothing if the network sees no hand there.

@@ -1,4 +1,4 @@
-// The colour of somebody's skin, learnt from pixels that are known to be skin. Plain OpenCV.
+// The colour of a person's skin, learned from pixels of skin. Plain OpenCV.
 #pragma once
 
 #include <opencv2/core/mat.hpp>

@@ -1,4 +1,4 @@
-// When a recording around an event begins: what the header of the event must say. Knows nothing of Hive.
+// The condition on the header of an event that starts a recording. Independent of Hive.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -8,13 +8,13 @@
 
 namespace record {
 
-/// Comparisons that must all hold, joined by commas: "faces", "faces>=2", "objects.class=person,objects.score>0.8".
-/// A field alone holds if it is there and not false, 0, null or empty. A point leads into an object; into an array it
-/// leads to all its elements, of which one has to fit. Compared with a number, an array counts as its length.
+/// Comparisons that must all hold, joined by commas: "faces", "faces>=2", "objects.class=person,objects.score>0.8". A
+/// field alone is true if it is present and not false, 0, null or empty. A dot selects a member of an object, or all
+/// elements of an array, of which one must match. Compared with a number, an array counts as its length.
 class Condition {
 public:
     Condition() = default;
-    /// "*" holds always. Throws std::invalid_argument.
+    /// "*" is always true. Throws std::invalid_argument.
     explicit Condition(const std::string& text);
 
     [[nodiscard]] bool holds(const nlohmann::json& header) const;

@@ -1,4 +1,4 @@
-// The events of the last seconds, in memory of this process.
+// The events of the last seconds, in this process's own memory.
 #pragma once
 
 #include <hive/event.hpp>
@@ -14,7 +14,7 @@ class LastSeconds {
 public:
     static constexpr std::size_t most_bytes = 256'000'000;
 
-    /// Owes the sender nothing any more, and keeps no memory of it.
+    /// Acknowledges the event at once, and copies its body out of shared memory.
     void keep(hive::Event event)
     {
         event.ticket = {};
@@ -40,7 +40,7 @@ public:
         full_ = false;
         return std::exchange(events_, {});
     }
-    /// Are they fewer than was wanted, as there would be too many bytes?
+    /// Were events dropped earlier because of the limit of bytes?
     [[nodiscard]] bool full() const { return full_; }
 
 private:

@@ -1,4 +1,4 @@
-// Connects the parameters and the input of the record drone to a writer, and notes what was lost on the way.
+// Connects the parameters and the input of the record drone to a writer, and records losses.
 #pragma once
 
 #include "condition.hpp"
@@ -19,13 +19,13 @@ namespace record {
 class RecordDrone {
 public:
     explicit RecordDrone(hive::Drone& drone);
-    /// Until the drone is told to stop; the file is ended then.
+    /// Runs until the drone is stopped; then writes the end of the file.
     void run();
 
 private:
     struct Opened {  ///< the parameters with which a file was opened
         std::string file;
-        bool around = false;  ///< a clip around each event that fits, not everything
+        bool around = false;  ///< clips around matching events only
 
         bool operator==(const Opened&) const = default;
     };
@@ -54,11 +54,11 @@ private:
 
     hive::Drone& drone_;
     bool remembered_;               ///< the file is that of before a crash
-    std::filesystem::path folder_;  ///< what it may write below; empty: not chosen yet
+    std::filesystem::path folder_;  ///< the only folder for writing; empty: not chosen yet
     std::string file_;
     bool overwrite_ = false;
     double max_size_ = 0, max_duration_ = 0, sync_ = 1;
-    std::string when_;  ///< empty: everything is recorded; else what comes around the events that fit
+    std::string when_;  ///< empty: record everything; else clips around matching events
     double before_ = 5, after_ = 5;
     Condition condition_;
     LastSeconds last_;                                   ///< as long as no clip is being written
@@ -68,7 +68,7 @@ private:
     std::string ended_;   ///< how the last file ended with its source, while nothing came after it
     std::unique_ptr<hive::recording::Writer> writer_;
     struct Dropped {
-        std::int64_t seen = 0;   ///< the connection's own count, which begins again with the connection
+        std::int64_t seen = 0;   ///< the connection's own count, which restarts with the connection
         std::int64_t total = 0;  ///< since the file was opened
     };
     std::map<std::string, Dropped> dropped_;  ///< by where the connection comes from

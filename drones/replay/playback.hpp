@@ -14,14 +14,14 @@ struct Range {
     bool operator==(const Range&) const = default;
 };
 
-/// The events of a range, one after the other, once or again and again.
+/// Iterates over the events of a range, once or in a loop.
 class Playback {
 public:
-    /// @throws std::runtime_error  no such file, or no recording
+    /// @throws std::runtime_error  no such file, or not a recording
     Playback(const std::filesystem::path& path, const Range& range);
 
     [[nodiscard]] const hive::recording::Reader& reader() const noexcept { return reader_; }
-    /// The event whose turn it is; nothing at the end.
+    /// The current event; nothing at the end.
     [[nodiscard]] const std::optional<hive::recording::Record>& current() const noexcept { return current_; }
     /// @param again  at the end the first one follows
     /// @return       then how long after the last one, in µs of the recording; otherwise 0
@@ -40,15 +40,15 @@ private:
     std::int64_t rounds_ = 0;
 };
 
-/// The times of the recording on the clock of this machine. No clock of its own: the caller says what time it is.
+/// Maps times of the recording to the clock of this machine. No clock of its own: the caller passes the time.
 class Timeline {
 public:
     using Clock = std::chrono::steady_clock;
 
-    /// When an event is due. Time that goes back begins anew with this event; so does what is more than a second late,
+    /// When an event is due. Restarts the mapping at this event if time goes back, or if it is more than a second late,
     /// so that no burst follows a pause.
     Clock::time_point due(std::int64_t time_us, double speed, Clock::time_point now);
-    /// The next event begins anew: it is due after a pause of the recording, or at once.
+    /// Restarts the mapping at the next event: it is due after a pause of the recording, or at once.
     void restart(std::int64_t pause_us = 0);
 
 private:

@@ -1,4 +1,4 @@
-// Declares the outputs of a recording, and sends its events on them as they once were.
+// Declares the outputs of a recording, and sends its events on them unchanged.
 #pragma once
 
 #include "playback.hpp"
@@ -24,7 +24,7 @@ private:
         hive::recording::Port port;
         hive::Output output;
     };
-    struct Opened {  ///< a difference means opening again
+    struct Opened {  ///< a difference means reopening
         std::string file;
         Range range;
         bool operator==(const Opened&) const = default;

@@ -11,8 +11,8 @@
 namespace track {
 
 /// The boxes in the array `name`, or, without a name, in the only field that is an array of boxes (objects with numbers
-/// "x", "y", "w", "h" in px; an empty array counts). Of what else they say, "score" (a number) and "colours" (at most
-/// 64 numbers that are not below 0) are taken, and the rest does not matter.
+/// "x", "y", "w", "h" in px; an empty array counts). Also reads "score" (a number) and "colours" (at most 64
+/// non-negative numbers), and ignores the rest.
 /// @throws hive::Error  malformed: no such array, or several, or a box without area; too_large: more than most_boxes
 std::vector<Box> boxes_in(const hive::Json& header, const std::string& name);
 

@@ -1,4 +1,4 @@
-// How things look: histograms of their colours, which say whether two boxes may show the same thing.
+// Appearances of objects: histograms of colours, compared to decide whether two boxes may show the same object.
 #pragma once
 
 #include <optional>
@@ -17,7 +17,7 @@ Look look_of(const std::vector<double>& numbers);
 /// "Kernel-based object tracking" (2003).
 std::optional<double> difference(const Look& a, const Look& b);
 
-/// `look` goes this share (0 to 1) of the way towards what was seen; an unknown one becomes it.
+/// Moves `look` by this share (0 to 1) towards the observation; replaces an unknown one.
 void follow(Look& look, const Look& seen, double share);
 
 }  // namespace track

@@ -1,4 +1,4 @@
-// Follows things through a sequence of boxes, and gives each a number that stays with it.
+// Tracks objects through a sequence of boxes, and gives each a permanent number.
 #pragma once
 
 #include "look.hpp"

@@ -21,7 +21,7 @@ struct Answer : hive::http::Answer {
 
 Answer answer_to(const Request& request, const Exchange& exchange, const Address& bind, const Pass& pass,
                  Browsers browsers);
-/// Who waited too long for a picture gets this instead.
+/// The answer after waiting too long for an image.
 Answer not_ready();
 
 }  // namespace view

@@ -1,4 +1,4 @@
-// Finds out whether there is a display on which a window can be opened, and how large that may be.
+// Checks for a display that can open a window, and the maximum size of the window.
 #pragma once
 
 #include <opencv2/core/types.hpp>
@@ -7,7 +7,7 @@
 
 namespace view {
 
-/// Asks the X server that DISPLAY names; the toolkits under OpenCV end the process instead of saying no.
+/// Queries the X server of DISPLAY; the toolkits of OpenCV would exit the process on failure.
 bool has_display();
 
 /// The largest window that such a display can show with its frame and a bar beside it, px; nothing without a display.

@@ -1,4 +1,4 @@
-// Decodes and encodes pictures on a thread of its own, so that the thread that answers browsers never waits for that.
+// Decodes and encodes images on its own thread, so that the server thread never waits for it.
 #pragma once
 
 #include "exchange.hpp"
@@ -21,13 +21,12 @@ public:
     /// @param exchange  outlives the encoder
     /// @param done      called on its thread when a picture is ready
     Encoder(const Exchange& exchange, std::function<void()> done);
-    /// Waits for the picture that is being worked on.
+    /// Waits for the current image.
     ~Encoder();
     Encoder(const Encoder&) = delete;
     Encoder& operator=(const Encoder&) = delete;
 
-    /// The last picture that is ready. Where that is not the newest one, it has that prepared. Never waits for a
-    /// picture. From any thread.
+    /// The last encoded image; if it is not the newest one, starts encoding that. Never blocks. From any thread.
     /// @param plain  without the caption
     Encoded newest(bool plain, Exchange::Time now = std::chrono::steady_clock::now());
 

@@ -1,4 +1,4 @@
-// Holds the newest picture for all viewers. A picture that nobody looked at in time is dropped.
+// Holds the newest image for all viewers. An image that no viewer requested in time is dropped.
 #pragma once
 
 #include "picture.hpp"
@@ -9,26 +9,26 @@
 
 namespace view {
 
-/// From any thread; nobody ever waits here for somebody else's work.
+/// From any thread; no call waits for another's work.
 class Exchange {
 public:
     using Time = std::chrono::steady_clock::time_point;
     struct Newest {
         std::shared_ptr<const Picture> picture;  ///< never null
-        std::uint64_t number = 0;                ///< counts what was put, from 1; 0: there was none yet
+        std::uint64_t number = 0;                ///< counts images, from 1; 0: none yet
         Time since{};                            ///< when it was put
-        std::uint64_t version = 0;               ///< also counts how often the text on pictures was written anew
+        std::uint64_t version = 0;               ///< also counts updates of the text on an image
 
-        /// Do pictures still come? Not when none came for two seconds and twice as long as usual.
+        /// Are images still arriving? False after two seconds and twice the usual interval without one.
         [[nodiscard]] bool going_on(Time now) const;
     };
-    /// So often is the text on a picture written anew when no more come, while somebody looks.
+    /// Interval of updating the text on the last image while there is a viewer.
     static constexpr std::chrono::milliseconds caption_every{1000};
 
-    /// @param first  what is found until a picture is put
+    /// @param first  returned until there is an image
     explicit Exchange(std::shared_ptr<const Picture> first) : newest_{std::move(first)} {}
     void put(std::shared_ptr<const Picture> picture, Time now = std::chrono::steady_clock::now());
-    /// Whoever looks calls this again and again: that is what keeps the age on a picture true that is the last one.
+    /// Viewers call this repeatedly, which also keeps the age on the last image up to date.
     [[nodiscard]] Newest newest(Time now = std::chrono::steady_clock::now()) const;
 
 private:
@@ -37,7 +37,7 @@ private:
     mutable Time captioned_{};  ///< when its text was last to be written
 };
 
-/// How many a second, over the last two seconds, or since the one before if that is longer ago. For one thread.
+/// Images per second, over the last two seconds, or since the previous one if that is longer ago. For one thread.
 class Rate {
 public:
     using Time = Exchange::Time;

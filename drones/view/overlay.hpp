@@ -1,4 +1,4 @@
-// Writes text on pictures, and makes the notice that is shown where there is none. Plain OpenCV.
+// Writes text on images, and draws the notice that is shown without one. Plain OpenCV.
 #pragma once
 
 #include <opencv2/core/mat.hpp>
@@ -10,7 +10,7 @@
 
 namespace view {
 
-/// Where a picture comes from, and how fast they come.
+/// The origin and rate of an image.
 struct Origin {
     std::string sender = {};    ///< drone and output: "face.annotated"
     std::string source = {};    ///< the drone that captured it
@@ -20,7 +20,7 @@ struct Origin {
     double rate = 0;  ///< pictures a second when it came; 0: not known yet
 };
 
-/// "face.annotated from camera  29.8 fps  12 ms"; what is not known is left out.
+/// "face.annotated from camera  29.8 fps  12 ms"; unknown parts are omitted.
 std::string caption(const Origin& origin, std::chrono::system_clock::time_point now);
 /// "12 ms", "3.4 s", "7 min"
 std::string age_text(std::chrono::milliseconds age);

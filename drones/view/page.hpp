@@ -1,4 +1,4 @@
-// The page that browsers show. It loads nothing from elsewhere.
+// The page for browsers. It loads nothing from other servers.
 #pragma once
 
 #include <string_view>

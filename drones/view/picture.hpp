@@ -1,4 +1,4 @@
-// One picture to look at. It is decoded, captioned and encoded when somebody looks, once for all viewers.
+// One image for viewers. It is decoded, captioned and encoded on the first request, once for all viewers.
 #pragma once
 
 #include "overlay.hpp"
@@ -12,32 +12,31 @@ namespace view {
 
 using Jpeg = std::shared_ptr<const std::vector<unsigned char>>;
 
-/// May be used from any thread; the first who asks does the work.
+/// For any thread; the first caller does the work.
 class Picture {
 public:
     struct Content {
         std::function<cv::Mat()>
             pixels;  ///< 8 bit, grey or BGR; called at most once. If it throws, a notice is shown instead
-        Jpeg jpeg;   ///< as the picture came, if it came so
+        Jpeg jpeg;   ///< the received bytes, if they are a JPEG
     };
     struct Look {
-        bool overlay = true;  ///< the caption; without it a JPEG stays as it came
+        bool overlay = true;  ///< the caption; without it a JPEG stays unchanged
         int quality = 80;     ///< 1 to 100, of what is encoded here
     };
 
     Picture(Origin origin, Content content, Look look);
-    /// What is shown until there is a picture.
+    /// The notice until there is an image.
     static std::shared_ptr<const Picture> of_notice(const std::string& text);
 
-    /// The same pixels, to be captioned at the next look, without the rate that is no longer true. Nothing when it has
-    /// no caption.
+    /// The same pixels, to be captioned at the next request, without the outdated rate. Nothing if it has no caption.
     [[nodiscard]] std::shared_ptr<const Picture> captioned_anew() const;
 
     [[nodiscard]] const Origin& origin() const noexcept { return origin_; }
     /// The pixels to show; not to be written to.
     [[nodiscard]] const cv::Mat& shown() const;
     [[nodiscard]] const Jpeg& jpeg() const;
-    /// Without the caption, for a page that says the same beside it; a JPEG as it came.
+    /// Without the caption, for a page that shows it separately; a JPEG stays unchanged.
     [[nodiscard]] const Jpeg& plain_jpeg() const;
 
 private:

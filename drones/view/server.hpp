@@ -14,7 +14,7 @@ class Server {
 public:
     using Settings = hive::http::Server::Settings;
 
-    /// Listens when it returns. Throws std::runtime_error saying why it cannot.
+    /// Listens when it returns. Throws std::runtime_error with the reason if it cannot.
     /// @param exchange  outlives the server
     Server(Settings settings, const Exchange& exchange);
     ~Server();
@@ -22,7 +22,7 @@ public:
     Server& operator=(const Server&) = delete;
 
     [[nodiscard]] int port() const noexcept;
-    /// There is a new picture. From any thread.
+    /// Signals a new image. From any thread.
     void wake() noexcept;
 
 private:

@@ -1,4 +1,4 @@
-// The numbers that the page shows beside the picture.
+// The status for the page.
 #pragma once
 
 #include "exchange.hpp"

@@ -30,7 +30,7 @@ private:
 
     Newest newest_;
     std::chrono::milliseconds repeat_;
-    // What is on its way: the JPEG alone, so that a slow reader keeps no pixels of anybody.
+    // The data being sent: only the JPEG, so that a slow reader keeps no pixels in memory.
     std::string head_;
     Jpeg jpeg_;
     std::size_t sent_ = 0;  ///< of head, JPEG and end together

@@ -46,7 +46,7 @@ private:
     std::tuple<std::string, int, std::string> served_;  ///< address, port and token; port 0: none
     std::unique_ptr<Server> server_;
     std::unique_ptr<Window> windows_;  ///< from the first picture that wants one
-    /// Pictures that are not yet done with, so that their senders wait, and until when.
+    /// Unacknowledged images, so that their senders wait, and until when.
     std::vector<std::pair<Clock::time_point, hive::Ticket>> held_;
 };
 

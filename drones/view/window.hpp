@@ -10,8 +10,8 @@
 
 namespace view {
 
-/// A thread of its own, which opens the window with the first picture. One in a process, for as long as that shows
-/// windows: the toolkits want every call from the same thread. Needs has_display().
+/// Its own thread, which opens the window with the first image. One per process as long as it shows windows: the
+/// toolkits require every call on the same thread. Needs has_display().
 class Window {
 public:
     /// @param closed    called on that thread when the user closes the window or presses q or Escape
@@ -23,10 +23,10 @@ public:
 
     /// Shows or hides it. From any thread.
     void visible(bool yes);
-    /// There is a new picture. From any thread.
+    /// Signals a new image. From any thread.
     void wake();
 
-    /// The picture, or a smaller one of the same shape that fits into the room. (For tests.)
+    /// The image, or a smaller one of the same aspect ratio that fits into the room. (For tests.)
     static cv::Mat fitted(const cv::Mat& picture, const std::optional<cv::Size>& room);
 
 private:

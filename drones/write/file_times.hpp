@@ -1,4 +1,4 @@
-// Turns the times of pictures into times in a file, which only grow.
+// Converts the times of images into increasing times in a file.
 #pragma once
 
 #include <chrono>
@@ -8,7 +8,7 @@
 
 namespace writing {
 
-/// When a picture was taken, as its event tells it.
+/// The capture time of an image by its event.
 struct Moment {
     std::string clock;         ///< whose time that is: a file, a camera since its start; another one begins anew
     std::int64_t time_us = 0;  ///< on that clock

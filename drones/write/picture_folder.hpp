@@ -1,4 +1,4 @@
-// A folder of pictures, with a table of their times.
+// A folder of images, with a table of their times.
 #pragma once
 
 #include "sink.hpp"

@@ -5,8 +5,8 @@
 
 namespace writing {
 
-/// Call it before a path is opened to write.
-/// @throws std::runtime_error  something other than a regular file is there
+/// Call it before opening a path for writing.
+/// @throws std::runtime_error  the path is not a regular file
 void require_regular_or_missing(const std::filesystem::path& path);
 
 }  // namespace writing

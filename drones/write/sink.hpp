@@ -1,4 +1,4 @@
-// What pictures are written to: a video or a folder.
+// The interface for writing images: a video or a folder.
 #pragma once
 
 #include <opencv2/core/mat.hpp>
@@ -18,7 +18,7 @@ struct Settings {
     int quality = 80;  ///< 1 to 100
 };
 
-/// One picture: its pixels, or what they were encoded to when that can be written as it is.
+/// One image: its pixels, or its encoded bytes if they can be written unchanged.
 struct Picture {
     cv::Mat pixels;                               ///< BGR or grey, 8 bit, or grey of 16 bits; empty with `encoded`
     std::span<const unsigned char> encoded = {};  ///< a whole JPEG or PNG file
@@ -27,7 +27,7 @@ struct Picture {
     double fps = 0;  ///< of its source; 0: unknown
 };
 
-/// What is in a file after all.
+/// The content of a finished file.
 struct Held {
     std::int64_t pictures = 0;
     std::chrono::microseconds last{0};  ///< the time of the last one

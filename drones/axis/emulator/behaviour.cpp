@@ -1,4 +1,4 @@
-// Keeps the words in one table, which everything else reads.
+// Keeps the settings in one table.
 #include "behaviour.hpp"
 
 #include <algorithm>

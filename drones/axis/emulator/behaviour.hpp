@@ -1,4 +1,4 @@
-// How the emulated camera behaves, well or badly: words of the form name=value, from the command line or while it runs.
+// The behaviour and faults of the emulated camera: settings name=value, from the command line or at run time.
 #pragma once
 
 #include "login.hpp"
@@ -15,30 +15,30 @@ struct Behaviour {
     std::string auth = "none";  ///< none, basic, digest, basic_digest
     bool qop = true;
     int nonce_uses = 0;              ///< 0: a nonce is never stale
-    bool old_firmware = false;       ///< takes updates at /axis-cgi/admin/param.cgi alone
+    bool old_firmware = false;       ///< accepts updates only at /axis-cgi/admin/param.cgi
     std::string boundary = "plain";  ///< plain, dashed, quoted, tight
     std::string length = "right";    ///< right, missing, short, long, text, huge
     std::string line_end = "crlf";   ///< crlf, lf
 
     // what it does wrong
-    bool down = false;          ///< nobody listens, all connections end
-    bool mute = false;          ///< takes connections and says nothing
+    bool down = false;          ///< no listener, all connections end
+    bool mute = false;          ///< accepts connections and sends nothing
     bool stall = false;         ///< streams pause
     bool unauthorised = false;  ///< every login is refused
     bool html = false;          ///< a web page instead of pictures
-    bool foreign = false;       ///< a web server that is no camera
-    bool garbage = false;       ///< bytes between the parts, fields in their heads that nobody knows
-    bool truncated = false;     ///< half pictures in whole parts
+    bool foreign = false;       ///< a web server that is not a camera
+    bool garbage = false;       ///< bytes between the parts, unknown fields in their heads
+    bool truncated = false;     ///< half images in complete parts
     bool endless_head = false, endless_part = false;
     bool huge_head = false;                                  ///< 100 KiB of fields before every answer
     int status = 200;                                        ///< of the pictures
     int stall_after = -1, close_after = -1, cut_after = -1;  ///< pictures of a stream; -1: never
-    int bytes_per_s = 0;                                     ///< 0: as fast as it goes
-    std::string redirect;                                    ///< where everything is said to be
+    int bytes_per_s = 0;                                     ///< 0: unlimited
+    std::string redirect;                                    ///< target of all redirections
 
-    /// @throws std::invalid_argument  naming what there is
+    /// @throws std::invalid_argument  naming the valid ones
     void set(const std::string& name, const std::string& value);
-    /// A line for each word.
+    /// One line per setting.
     [[nodiscard]] std::string text() const;
     [[nodiscard]] LoginRules login() const;
 };

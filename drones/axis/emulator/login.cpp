@@ -106,7 +106,7 @@ std::vector<std::string> Login::challenges(const LoginRules& rules, Verdict verd
     return result;
 }
 
-/// No secret is kept by it: it need not be hard to guess, only new.
+/// It protects no secret: it must be new, but may be guessable.
 void Login::renew_nonce()
 {
     const std::string number = std::to_string(++made_);

@@ -1,4 +1,4 @@
-// Defines the parameters, and the words with which param.cgi answers.
+// Defines the parameters, and the answers of param.cgi.
 #include "parameter_store.hpp"
 
 #include <algorithm>
@@ -44,7 +44,7 @@ ParameterStore::ParameterStore(const std::string& serial)
     number("Image.I0.Appearance.Compression", 30, 0, 100);
     choice("Image.I0.Appearance.Resolution", "640x480", resolutions);
     choice("Image.I0.Appearance.Rotation", "0", {"0", "180"});
-    fixed("Image.I0.Name", "Fu\xDFg\xE4nger");  // Latin-1, as cameras speak it
+    fixed("Image.I0.Name", "Fu\xDFg\xE4nger");  // Latin-1, as cameras send it
     number("Image.I0.Stream.FPS", 0, 0, 60);
     choice("ImageSource.I0.Sensor.Exposure", "auto", {"auto", "hold", "flickerfree50", "flickerfree60"});
     number("ImageSource.I0.Sensor.Brightness", 50, 0, 100);

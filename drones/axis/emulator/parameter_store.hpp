@@ -13,7 +13,7 @@ public:
 
     /// The body that answers a list. @param groups  joined by commas, with or without "root."; empty: all
     [[nodiscard]] std::string list(const std::string& groups) const;
-    /// The body that answers an update. Like a camera it sets what it can, even when it refuses another.
+    /// The body that answers an update. Like a camera it sets the valid values, even if it refuses another.
     /// @param step  sensor values are rounded down to multiples of it
     std::string update(const std::vector<std::pair<std::string, std::string>>& values, int step);
 

@@ -20,7 +20,7 @@ struct Request {
     [[nodiscard]] std::string word(std::string_view name) const;
 };
 
-/// @param head  up to and with the empty line; nothing if it is no request
+/// @param head  up to and with the empty line; nothing if it is not a request
 std::optional<Request> parse_request(std::string_view head);
 
 /// a=1&b=%20 taken apart.

@@ -108,7 +108,7 @@ private:
         asio::co_spawn(context_, accept_camera(), asio::detached);
     }
 
-    /// Up or down, as it should be.
+    /// Applies the setting `down`.
     void follow_behaviour()
     {
         if (behaviour_.down && camera_.is_open()) {
@@ -125,7 +125,7 @@ private:
         while (camera_.is_open()) {
             tcp::socket socket = co_await camera_.async_accept(use_awaitable);
             asio::co_spawn(context_, serve(std::move(socket)),
-                           [](std::exception_ptr) {});  // a client that goes is normal
+                           [](std::exception_ptr) {});  // a closing client is normal
         }
     }
 
@@ -203,7 +203,7 @@ private:
         }
     }
 
-    /// What is answered whatever was asked.
+    /// Answers that do not depend on the request.
     std::optional<std::string> refuse(const Request& request)
     {
         const auto verdict = login_.check(behaviour_.login(), request.method, request.target, request.authorization);
@@ -220,7 +220,7 @@ private:
 
     std::string unauthorised(const Request& request, Login::Verdict verdict)
     {
-        // A scheme that is no longer taken, or a nonce that has been used up, is no wrong password.
+        // A scheme that is no longer accepted, or a stale nonce, is not a wrong password.
         if (!request.authorization.empty() && verdict != Login::Verdict::stale && verdict != Login::Verdict::unknown)
             ++wrong_logins_;
         std::string fields;
