@@ -1,4 +1,4 @@
-// Draws boxes, lines, dots and labels, in pixels of the picture that is drawn on.
+// Draws boxes, lines, dots and labels, in pixels of the image that is drawn on.
 #include "drawing.hpp"
 
 #include "label.hpp"
@@ -17,7 +17,7 @@ namespace {
 
 const cv::Scalar green(60, 220, 60), white(235, 235, 235), yellow(0, 220, 255), black(0, 0, 0);
 
-/// A coordinate that OpenCV's own arithmetic takes: it is far outside of every picture anyway.
+/// A coordinate that OpenCV's own arithmetic takes: it is far outside of every image anyway.
 int pixel(double value) { return static_cast<int>(std::lround(std::clamp(value, -32000.0, 32000.0))); }
 
 cv::Point pixel(const cv::Point2d& point) { return {pixel(point.x), pixel(point.y)}; }
@@ -45,7 +45,7 @@ void write_labels(cv::Mat& picture, const std::vector<Region>& regions, const st
         write_label(picture, mark.label, pixels(mark.box), Drawing::colour_of(mark.coloured_by), taken);
 }
 
-/// The mark in a picture of another size.
+/// The mark in an image of another size.
 Mark scaled(Mark mark, double across, double down)
 {
     const auto place = [&](const cv::Point2d& point) { return cv::Point2d(point.x * across, point.y * down); };

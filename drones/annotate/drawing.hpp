@@ -1,4 +1,4 @@
-// Draws marks onto pictures: the algorithm of the annotate drone, plain OpenCV.
+// Draws marks onto images: the algorithm of the annotate drone, plain OpenCV.
 #pragma once
 
 #include "marks.hpp"
@@ -15,7 +15,7 @@ public:
     Uncertain uncertain = Uncertain::dashed;  ///< how the boxes of uncertain marks are drawn
 
     /// @param picture  8 bit, BGR or grey; not changed
-    /// @param result   becomes a BGR picture of the same size; another one than `picture`
+    /// @param result   becomes a BGR image of the same size; another one than `picture`
     void draw(const cv::Mat& picture, const Marks& marks, cv::Mat& result) const;
     /// BGR; always the same for one text, rarely the same for two; green without text.
     static cv::Scalar colour_of(const std::string& text);

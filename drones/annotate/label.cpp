@@ -13,7 +13,7 @@ namespace {
 constexpr int font = cv::FONT_HERSHEY_SIMPLEX;
 /// Size of letters: 1 in images whose shorter side has 960 px; smaller ones than the minimum cannot be read.
 constexpr double smallest_letters = 0.35, usual_letters = 0.4, largest_letters = 4;
-/// A label is at most this share of the picture's width, and this one of its height.
+/// A label is at most this share of the image's width, and this one of its height.
 constexpr double widest = 0.5, highest = 0.12;
 
 /// A text, and how it is written.
@@ -37,7 +37,7 @@ Lettering lettering(const std::string& text, double size)
             {margin, margin + letters.height}};
 }
 
-/// As large as the picture demands; else with smaller letters; else with fewer words; else nothing.
+/// As large as the image demands; else with smaller letters; else with fewer words; else nothing.
 std::optional<Lettering> lettering_for(std::string text, cv::Size picture)
 {
     const auto fits = [&](const Lettering& one) {
@@ -83,7 +83,7 @@ cv::Scalar letters_on(const cv::Scalar& plate)
 
 }  // namespace
 
-/// In a small picture a label gives way: it takes smaller letters, then loses its last words, and where not even the
+/// In a small image a label gives way: it takes smaller letters, then loses its last words, and where not even the
 /// first one fits there is none.
 void write_label(cv::Mat& picture, const std::string& text, const cv::Rect& box, const cv::Scalar& colour,
                  std::vector<cv::Rect>& taken)

@@ -9,9 +9,9 @@
 namespace annotate {
 
 /// @param text   printable ASCII
-/// @param box    px; outside of the picture it gets no label. The label stands above it, or else inside or below, where
+/// @param box    px; outside of the image it gets no label. The label stands above it, or else inside or below, where
 /// the
-///               picture has room and no other label stands
+///               image has room and no other label stands
 /// @param taken  areas of existing labels; the new one is added
 void write_label(cv::Mat& picture, const std::string& text, const cv::Rect& box, const cv::Scalar& colour,
                  std::vector<cv::Rect>& taken);

@@ -12,7 +12,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double largest = 1e6;  // px; no picture comes near
+constexpr double largest = 1e6;  // px; no image comes near
 constexpr std::size_t longest_label = 48;
 constexpr double min_score = 0.5;  ///< of a point
 

@@ -30,7 +30,7 @@ public:
     /// the values that the camera reports afterwards.
     /// @throws CameraError  setting_refused, with the camera's reason
     Parameters apply(const Parameters& wanted);
-    /// One picture, not checked.
+    /// One image, not checked.
     std::string snapshot();
     /// Passes on the parts of the stream until it ends, with Trouble::closed.
     void stream(const std::function<void(Part)>& take);

@@ -17,10 +17,10 @@ namespace axis {
 
 enum class Pace {
     live,   ///< the camera's own: its stream
-    demand  ///< one picture for each ask()
+    demand  ///< one image for each ask()
 };
 
-/// Of a whole picture, px.
+/// Of a whole image, px.
 struct Size {
     int width = 0, height = 0;
 };

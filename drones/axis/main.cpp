@@ -1,4 +1,4 @@
-// The axis drone publishes pictures from an Axis network camera, live or on demand.
+// The axis drone publishes images from an Axis network camera, live or on demand.
 #include "axis_drone.hpp"
 
 int main(int argc, char** argv)

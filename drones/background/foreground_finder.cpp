@@ -27,8 +27,8 @@ cv::Ptr<cv::BackgroundSubtractor> make(const ModelSettings& settings)
 /// tenth of the history from the start. The samples of knn must first be filled quickly.
 double learning_rate(const ModelSettings& settings) { return settings.method == "mog2" ? 1.0 / settings.history : -1; }
 
-constexpr int renewal = 25;  ///< pictures in which the known background hardly changes
-constexpr int settled = 50;  ///< pictures after which KNN learns slowly enough
+constexpr int renewal = 25;  ///< images in which the known background hardly changes
+constexpr int settled = 50;  ///< images after which KNN learns slowly enough
 
 cv::Mat disc(int radius) { return cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * radius + 1, 2 * radius + 1}); }
 
@@ -63,7 +63,7 @@ void ForegroundFinder::begin(const cv::Mat& picture)
 }
 
 /// If the light has changed, the model is begun anew with the background that it knew, in the new light: so what stands
-/// before it stays foreground. (Of a grey picture KNN cannot tell what it knows.) The whole background is made only for
+/// before it stays foreground. (Of a grey image KNN cannot tell what it knows.) The whole background is made only for
 /// a change: small copies tell, and that of the background is kept, for much foreground may stay for long.
 bool ForegroundFinder::relight(const cv::Mat& picture, const cv::Mat& mask)
 {
@@ -83,7 +83,7 @@ bool ForegroundFinder::relight(const cv::Mat& picture, const cv::Mat& mask)
     const cv::Mat lit = in_the_light(known, *gains);
     known_.release();
     subtractor_ = make(model);
-    // Of one picture a mixture takes the noise for large, which suits. A young KNN takes in whatever stays for a
+    // Of one image a mixture takes the noise for large, which suits. A young KNN takes in whatever stays for a
     // moment.
     for (int i = 0; i < (model.method == "mog2" ? 1 : settled); ++i)
         subtractor_->apply(lit, ignored, learning_rate(model));

@@ -13,7 +13,7 @@ namespace background {
 /// Settings of the background model; a change starts a new one.
 struct ModelSettings {
     std::string method = "mog2";  ///< mog2: a mixture of gaussians for each pixel; knn: its nearest earlier values
-    int history = 500;            ///< pictures that the model remembers, at least 1
+    int history = 500;            ///< images that the model remembers, at least 1
     double threshold = 0;  ///< squared distance from the background: in variances (mog2), in grey levels (knn); 0: 16
                            ///< (mog2), 400 (knn)
     bool shadows = false;  ///< distinguish shadows from things
@@ -29,31 +29,31 @@ struct Blob {
     bool operator==(const Blob&) const = default;
 };
 
-/// One picture's foreground.
+/// One image's foreground.
 struct Foreground {
     cv::Mat mask;                ///< grey: 255 foreground, 0 background, 127 shadow
     std::vector<Blob> blobs;     ///< at most most_blobs, the largest; from top to bottom, then from left to right
-    std::int64_t learned = 0;    ///< pictures that the model has seen, this one included
-    bool light_changed = false;  ///< at this picture: the model was begun anew, from what it knew in the new light
+    std::int64_t learned = 0;    ///< images that the model has seen, this one included
+    bool light_changed = false;  ///< at this image: the model was begun anew, from what it knew in the new light
 };
 
 class ForegroundFinder {
 public:
     static constexpr std::size_t most_blobs = 256;
-    static constexpr int young = 4;  ///< the first pictures of a model are all background
+    static constexpr int young = 4;  ///< the first images of a model are all background
     static constexpr unsigned char foreground = 255, shadow = 127;
 
     ModelSettings model;
     int open = 1;        ///< specks thinner than about twice this are erased, px; 0: none
     int close = 5;       ///< gaps narrower than about twice this are filled, px; 0: none
     int min_area = 300;  ///< of a blob, px
-    double light = 50;   ///< so much foreground, % of the picture, may be a change of the light; 100: nothing is
+    double light = 50;   ///< so much foreground, % of the image, may be a change of the light; 100: nothing is
 
-    /// The next picture. The first one, and one of another size or number of channels, begins a new model; so does one
+    /// The next image. The first one, and one of another size or number of channels, begins a new model; so does one
     /// that is mostly the known background in another light.
     /// @param picture  8 bit, BGR or grey; not changed
     [[nodiscard]] Foreground find(const cv::Mat& picture);
-    /// The next picture begins a new model.
+    /// The next image begins a new model.
     void restart() { subtractor_.release(); }
 
 private:
@@ -67,7 +67,7 @@ private:
     cv::Size size_;
     int type_ = 0;
     std::int64_t learned_ = 0, known_at_ = 0;
-    cv::Mat known_;  ///< the background when known_at_ pictures were learned, small; empty: not looked at yet
+    cv::Mat known_;  ///< the background when known_at_ images were learned, small; empty: not looked at yet
 };
 
 }  // namespace background

@@ -10,7 +10,7 @@
 namespace background {
 namespace {
 
-constexpr int places = 64;                    ///< along the longer side of the picture
+constexpr int places = 64;                    ///< along the longer side of the image
 constexpr int darkest = 12, brightest = 245;  ///< beyond, a ratio says little
 constexpr std::size_t enough_places = 50;
 constexpr double noise = 12, share_of_value = 0.12;  ///< a place agrees when it is so near, in grey levels

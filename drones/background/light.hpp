@@ -11,13 +11,13 @@ namespace background {
 /// A small copy, each pixel the mean of a part, so that noise and small movements hardly count.
 cv::Mat reduced(const cv::Mat& picture);
 
-/// How many times as bright each channel of the picture is, if the picture is mostly the known background in another
+/// How many times as bright each channel of the image is, if the image is mostly the known background in another
 /// light (exposure, daylight, lamps): at least half of the places agree, and all channels change by about the same
 /// number, so that it is no large thing of another colour.
 /// @param picture, known  reduced; of one size and number of channels
 std::optional<std::vector<double>> change_of_light(const cv::Mat& picture, const cv::Mat& known);
 
-/// The picture with each channel multiplied by its factor.
+/// The image with each channel multiplied by its factor.
 cv::Mat in_the_light(const cv::Mat& picture, const std::vector<double>& gains);
 
 }  // namespace background

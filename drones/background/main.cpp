@@ -51,7 +51,7 @@ hive::Body mask_body(const hive::Output& output, const cv::Mat& mask)
 void background_drone(hive::Drone& drone)
 {
     ForegroundFinder finder;
-    std::pair<std::string, std::int64_t> source;  ///< of the last picture, and its epoch
+    std::pair<std::string, std::int64_t> source;  ///< of the last image, and its epoch
     drone.parameter("method", finder.model.method, hive::one_of({"mog2", "knn"}),
                     "mixture of gaussians or nearest neighbours, for each pixel");
     drone.parameter("history", finder.model.history, hive::between(1, 10000),

@@ -9,7 +9,7 @@ namespace camera {
 
 enum class Background { brick, noise, plain };
 
-/// A BGR picture of `size`, the same for the same arguments: a brick wall, soft colourful noise, or one grey.
+/// A BGR image of `size`, the same for the same arguments: a brick wall, soft colourful noise, or one grey.
 cv::Mat draw_background(Background background, cv::Size size, std::uint64_t seed);
 
 }  // namespace camera

@@ -16,9 +16,9 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr double usual_fps = 30;  ///< of the scene and of pictures
+constexpr double usual_fps = 30;  ///< of the scene and of images
 
-/// The size a picture of size `own` is sent with; a side of 0 follows the other, or stays as it is. Throws
+/// The size an image of size `own` is sent with; a side of 0 follows the other, or stays as it is. Throws
 /// Errc::too_large when receivers would refuse it.
 cv::Size size_to_send(cv::Size own, int width, int height)
 {
@@ -297,7 +297,7 @@ hive::Json CameraDrone::about(const Frame& frame) const
         header["fps"] = frame.fps;
     if (frame.media_time)
         header["media_time_us"] = frame.media_time->count();
-    else if (frame.knows_truth || (fps_ > 0 && !loop_ && !frame.file.empty()))  // drawn or shown picture by picture
+    else if (frame.knows_truth || (fps_ > 0 && !loop_ && !frame.file.empty()))  // drawn or shown frame by frame
         header["media_time_us"] = std::llround(static_cast<double>(frame.index) / (fps_ > 0 ? fps_ : usual_fps) * 1e6);
     return header;
 }

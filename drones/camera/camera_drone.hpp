@@ -54,7 +54,7 @@ private:
 
     hive::Drone& drone_;
     hive::Output image_;
-    std::shared_ptr<hive::vision::LoanAllocator> memory_;  ///< of the pictures, also those that the capture reads
+    std::shared_ptr<hive::vision::LoanAllocator> memory_;  ///< of the images, also those that the capture reads
     std::string source_ = "scene", pace_ = "live", credentials_, transport_ = "tcp", certificate_, format_;
     int width_ = 0, height_ = 0, faces_ = 1, walkers_ = 0, seed_ = 1;
     double fps_ = 0, noise_ = 3;

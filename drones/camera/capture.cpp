@@ -220,7 +220,7 @@ private:
     double fps_;
     AtEnd at_end_;
     std::string opening_;
-    hive::Backoff backoff_{shortest_pause, longest_pause};  ///< begins anew with each picture
+    hive::Backoff backoff_{shortest_pause, longest_pause};  ///< begins anew with each image
     int logins_refused_ = 0;
     bool gives_pictures_ = false;  ///< the last attempt at one did
 

@@ -20,7 +20,7 @@ public:
     using Opener = std::function<std::unique_ptr<Source>()>;
     enum class AtEnd { stop, open_again };  ///< of a file; of a camera, whose end is a loss
 
-    /// @param fps     pictures per second; 0: as the source has it, or 30 if it has no rate
+    /// @param fps     frames per second; 0: as the source has it, or 30 if it has no rate
     /// @param notice  called from the capture's thread when there is news; never after the capture is destroyed
     /// @param opening  what condition() says while it is being opened; empty: nothing
     Capture(Opener open, double fps, AtEnd at_end, std::function<void()> notice, std::string opening = "");

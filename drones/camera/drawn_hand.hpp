@@ -16,8 +16,8 @@ struct DrawnHand {
     bool operator==(const DrawnHand&) const = default;
 };
 
-/// Draws the hand in skin colour into a BGR picture. Fingers reach 2.55 radii from the centre, a thumb 1.95. What lies
-/// outside the picture is cut off.
+/// Draws the hand in skin colour into a BGR image. Fingers reach 2.55 radii from the centre, a thumb 1.95. What lies
+/// outside the image is cut off.
 void draw_hand(cv::Mat& picture, const DrawnHand& hand);
 
 }  // namespace camera

@@ -6,7 +6,7 @@
 
 namespace camera {
 
-/// Where a walker is in one picture, px.
+/// Where a walker is in one image, px.
 struct Walker {
     double middle;  ///< x
     double top;     ///< y of the head's top
@@ -18,7 +18,7 @@ struct Walker {
     bool operator==(const Walker&) const = default;
 };
 
-/// Draws into a BGR picture. What lies outside of it is cut off.
+/// Draws into a BGR image. What lies outside of it is cut off.
 void draw_walker(cv::Mat& picture, const Walker& walker);
 
 }  // namespace camera

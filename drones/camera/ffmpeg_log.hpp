@@ -18,7 +18,7 @@ public:
     virtual void rtp_packet(int /*bytes*/) {}
     /// The description of an RTSP stream (SDP, RFC 8866).
     virtual void description(std::string_view /*text*/) {}
-    /// Pixels of a picture that is refused because of its size.
+    /// Pixels of an image that is refused because of its size.
     virtual void refused_pixels(std::int64_t /*width*/, std::int64_t /*height*/) {}
     virtual void refused_streams() {}
     virtual void refused_format() {}

@@ -8,7 +8,7 @@
 namespace camera {
 namespace {
 
-/// Between -1 and 1, once in `period` pictures.
+/// Between -1 and 1, once in `period` images.
 double swing(std::int64_t index, int period)
 {
     return std::sin(2 * std::numbers::pi * static_cast<double>(index % period) / period);

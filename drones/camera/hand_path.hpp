@@ -14,7 +14,7 @@ inline constexpr int pictures_per_gesture = 30;
 inline constexpr int no_hand = -1;
 inline constexpr std::array fingers_shown{no_hand, 5, 2, 1, 4, 0, 3};
 
-/// The hand moves slowly, fingers wholly inside a picture of `size`; its arm reaches the lower border.
+/// The hand moves slowly, fingers wholly inside an image of `size`; its arm reaches the lower border.
 std::optional<DrawnHand> hand_at(std::int64_t index, cv::Size size);
 
 }  // namespace camera

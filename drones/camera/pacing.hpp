@@ -1,4 +1,4 @@
-// Computes when the next picture is due. The schedule is absolute, so that small delays do not add up.
+// Computes when the next image is due. The schedule is absolute, so that small delays do not add up.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +12,7 @@ class Schedule {
 public:
     using Clock = std::chrono::steady_clock;
 
-    /// @param fps  pictures per second; 0 or less: always due
+    /// @param fps  frames per second; 0 or less: always due
     Schedule(double fps, Clock::time_point start) : fps_(fps), start_(start) {}
 
     [[nodiscard]] Clock::time_point due() const
@@ -40,15 +40,15 @@ private:
     std::int64_t count_ = 0;
 };
 
-/// When the pictures of a video are due by their own times. No clock of its own, either.
+/// When the images of a video are due by their own times. No clock of its own, either.
 class OwnTimes {
 public:
     using Clock = Schedule::Clock;
 
-    /// @param usual  how long a picture stays whose successor does not tell: the last of a round, or before a leap
+    /// @param usual  how long an image stays whose successor does not tell: the last of a round, or before a leap
     explicit OwnTimes(Clock::duration usual) : usual_(usual) {}
 
-    /// Of the next picture. No burst follows a pause.
+    /// Of the next image. No burst follows a pause.
     Clock::time_point due(std::chrono::microseconds time, Clock::time_point now)
     {
         constexpr std::chrono::minutes longest{1};
@@ -61,7 +61,7 @@ public:
         return start_ + time;
     }
 
-    /// When the last picture has been shown.
+    /// When the last image has been shown.
     [[nodiscard]] Clock::time_point next() const { return next_; }
 
 private:

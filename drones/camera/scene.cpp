@@ -14,7 +14,7 @@
 namespace camera {
 namespace {
 
-/// Each picture uses the noise field from another offset, so noise is as good as new and costs two additions.
+/// Each image uses the noise field from another offset, so noise is as good as new and costs two additions.
 constexpr std::uint64_t noise_offsets = 1 << 16;
 
 /// A well mixed number of a number (the finalizer of SplitMix64).
@@ -26,7 +26,7 @@ std::uint64_t mixed(std::uint64_t value)
     return value ^ value >> 31;
 }
 
-/// Swings between 0 and 1 once in `period` pictures.
+/// Swings between 0 and 1 once in `period` images.
 double swing(std::int64_t index, int period, std::uint64_t seed)
 {
     const double start = static_cast<double>(mixed(seed) % 1000) / 1000;
@@ -91,7 +91,7 @@ void Scene::add_faces(ScenePicture& picture, std::int64_t index) const
     }
 }
 
-/// A Lissajous path inside the face's own upright strip of the picture, so that faces never meet. Above the box there
+/// A Lissajous path inside the face's own upright strip of the image, so that faces never meet. Above the box there
 /// is a quarter of its height for the hair, below a tenth for the chin.
 cv::Rect2d Scene::face_box(int face, std::int64_t index) const
 {

@@ -28,17 +28,17 @@ struct SceneSettings {
 /// A drawn thing and its box.
 struct Truth {
     std::string kind;  ///< "face", "walker"
-    int id;            ///< of this thing among its kind, the same in all pictures
-    cv::Rect2d box;    ///< px, inside the picture
+    int id;            ///< of this thing among its kind, the same in all images
+    cv::Rect2d box;    ///< px, inside the image
     bool operator==(const Truth&) const = default;
 };
 
-/// One picture of the scene and what is in it.
+/// One image of the scene and what is in it.
 struct ScenePicture {
     cv::Mat image;  ///< BGR
     std::vector<Truth>
         truth;  ///< faces are wholly inside; a walker is here while half of it is, with that part of its box
-    std::vector<DrawnHand> hands;  ///< none in the pictures without the hand
+    std::vector<DrawnHand> hands;  ///< none in the images without the hand
 };
 
 /// Static parts are drawn once; an image depends only on the settings and its index.

@@ -54,12 +54,12 @@ struct SourceSettings {
 class Source {
 public:
     virtual ~Source() = default;
-    /// The next picture; nothing at the end. A device or a URL waits for it, at most about 2 s.
+    /// The next image; nothing at the end. A device or a URL waits for it, at most about 2 s.
     /// @throws std::runtime_error  naming the unreadable input
     virtual std::optional<Frame> next() = 0;
-    /// Pictures per second that the source was made with; 0 if it has no rate of its own.
+    /// Images per second that the source was made with; 0 if it has no rate of its own.
     [[nodiscard]] virtual double fps() const { return 0; }
-    /// How many pictures it has in all, exactly after the last one; 0: unknown, or no end.
+    /// How many images it has in all, exactly after the last one; 0: unknown, or no end.
     [[nodiscard]] virtual std::int64_t count() const { return 0; }
     /// Messages about the source, each sentence once: omitted files, missing parts.
     std::vector<std::string> news() { return std::exchange(news_, {}); }
@@ -83,7 +83,7 @@ public:
 /// @throws std::runtime_error  if there can be none: no such file, an unknown word, a URL with a password in it
 SourceKind source_kind(const std::string& text);
 
-/// Is this file a picture that OpenCV reads, by its name, or else by its first bytes?
+/// Is this file an image that OpenCV reads, by its name, or else by its first bytes?
 bool is_picture(const std::filesystem::path& file);
 
 /// Is it drawn? True for any text of a scene, even an unknown one.
@@ -95,7 +95,7 @@ bool is_format(const std::string& text);
 /// Does it have its own fixed rate?
 inline bool is_live(SourceKind kind) { return kind == SourceKind::device || kind == SourceKind::url; }
 
-/// @param memory  where the pixels of its pictures shall lie (kept, for the source's thread); null: OpenCV's own
+/// @param memory  where the pixels of its images shall lie (kept, for the source's thread); null: OpenCV's own
 /// @throws std::runtime_error  naming what is missing
 std::unique_ptr<Source> open_source(const SourceSettings& settings, cv::MatAllocator* memory = nullptr);
 

@@ -43,7 +43,7 @@ void UrlInput::expect_until(Clock::time_point deadline, const char* otherwise)
 
 void UrlInput::connect()
 {
-    constexpr std::chrono::seconds to_open{20};  // a stream of one picture in 3 s needs as long
+    constexpr std::chrono::seconds to_open{20};  // a stream of one image in 3 s needs as long
     expect_until(Clock::now() + to_open, "no video within 20 s");
     const FfmpegLogWatch watch(*this);
     context_ = avformat_alloc_context();

@@ -27,7 +27,7 @@ public:
 
     /// The next packet of video that can be decoded; false at the end of the stream.
     bool read(AVPacket& packet);
-    /// Hands a packet to a decoder; one that is damaged is skipped, one whose picture is too large is refused.
+    /// Hands a packet to a decoder; one that is damaged is skipped, one whose image is too large is refused.
     void decode(AVCodecContext& decoder, const AVPacket& packet);
     /// Of the packets that read() returns; null before the first.
     [[nodiscard]] const AVStream* video() const;

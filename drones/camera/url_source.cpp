@@ -50,7 +50,7 @@ private:
         decoder_.reset(avcodec_alloc_context3(codec));
         ffmpeg::checked(avcodec_parameters_to_context(decoder_.get(), parameters), input_.shown());
         decoder_->max_pixels = max_pixels_;
-        decoder_->thread_count = 1;  // further threads keep a picture each
+        decoder_->thread_count = 1;  // further threads keep an image each
         decoder_->flags |= AV_CODEC_FLAG_LOW_DELAY;
         ffmpeg::checked(avcodec_open2(decoder_.get(), codec, nullptr), input_.shown());
     }

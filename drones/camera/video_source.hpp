@@ -28,13 +28,13 @@ std::unique_ptr<Source> open_device(const std::string& path, const DeviceForm& a
 
 /// Limits of a network camera.
 struct UrlLimits {
-    std::int64_t pixels = 40'000'000;         ///< of a picture
+    std::int64_t pixels = 40'000'000;         ///< of an image
     std::int64_t bytes = 16 << 20;            ///< of a packet; over HTTP also from one packet of video to the next
-    std::int64_t allocation = 160 << 20;      ///< bytes in one piece: a picture of that size has 4 for each pixel
+    std::int64_t allocation = 160 << 20;      ///< bytes in one piece: an image of that size has 4 for each pixel
     std::int64_t rtsp_allocation = 80 << 20;  ///< the same where bytes over UDP are not counted; 2 for each pixel
     long reply = 64 * 1024;                   ///< bytes of the body of an RTSP reply
     int streams = 16;
-    int scans = 100;  ///< of a JPEG: each costs the time of the whole picture
+    int scans = 100;  ///< of a JPEG: each costs the time of the whole image
     bool redirects = false;
     /// For tests, which show that the limits are needed.
     static UrlLimits none();
@@ -51,7 +51,7 @@ struct UrlSettings {
 /// A login whose file names a camera is sent to no other.
 /// @throws std::runtime_error  when the login is for another camera, or cannot be read
 UrlSettings url_settings(const SourceSettings& settings);
-/// Opening takes at most 20 s, a picture 10 s. The end of the stream is the end of the source.
+/// Opening takes at most 20 s, an image 10 s. The end of the stream is the end of the source.
 std::unique_ptr<Source> open_url(const UrlSettings& settings, cv::MatAllocator* memory);
 
 }  // namespace camera

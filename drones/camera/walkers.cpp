@@ -1,4 +1,4 @@
-// The paths are in parts of the picture's size, so that every size shows the same scene.
+// The paths are in parts of the image's size, so that every size shows the same scene.
 #include "walkers.hpp"
 
 #include <opencv2/core.hpp>
@@ -11,7 +11,7 @@
 namespace camera {
 namespace {
 
-/// Heights and the ground under the feet in parts of the picture's height; speed in parts of its width per picture.
+/// Heights and the ground under the feet in parts of the image's height; speed in parts of its width per image.
 struct Lane {
     double height, ground, speed;
     std::int64_t first;
@@ -19,9 +19,9 @@ struct Lane {
 constexpr std::array<Lane, Walkers::most> lanes{
     {{0.30, 0.66, 0.0050, 30}, {0.36, 0.78, -0.0062, 40}, {0.32, 0.71, -0.0041, 75}, {0.42, 0.93, 0.0078, 110}}};
 
-/// A person comes and goes this far outside, in parts of the picture's height.
+/// A person comes and goes this far outside, in parts of the image's height.
 constexpr double outside = 0.12;
-/// Pictures between one person's going and the next one's coming.
+/// Images between one person's going and the next one's coming.
 constexpr std::int64_t pause = 15;
 /// The way of a whole step (two feet), in heights of the walker: four times the largest step of a foot.
 constexpr double stride = 0.4;

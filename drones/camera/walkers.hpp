@@ -9,7 +9,7 @@
 
 namespace camera {
 
-/// One of the people in a picture.
+/// One of the people in an image.
 struct Passer {
     int id;  ///< from 1, unique in the scene
     Walker walker;
@@ -24,7 +24,7 @@ public:
     /// @param lanes  0 to most
     Walkers(int lanes, cv::Size size, std::uint64_t seed) : lanes_(lanes), size_(size), seed_(seed) {}
 
-    /// The people of a picture, those further away first; some may be outside of it.
+    /// The people of an image, those further away first; some may be outside of it.
     [[nodiscard]] std::vector<Passer> at(std::int64_t index) const;
 
 private:
@@ -35,7 +35,7 @@ private:
     std::uint64_t seed_;
 };
 
-/// The part of a walker's box that lies in a picture of `size`, if that is at least half of it.
+/// The part of a walker's box that lies in an image of `size`, if that is at least half of it.
 std::optional<cv::Rect2d> visible_box(const Walker& walker, cv::Size size);
 
 }  // namespace camera

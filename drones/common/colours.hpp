@@ -14,8 +14,8 @@ inline constexpr int numbers = 20;
 /// and six hues from red on. What is between two of them counts for both in part, so that a little more light changes
 /// little.
 /// @param picture  8 bit, BGR or grey
-/// @param box      px; the part of it that lies in the picture is looked at, by at most about 4000 pixels
-/// @param mask     8 bit, of the picture's size: only where it is 255; empty: an ellipse that fills the box
+/// @param box      px; the part of it that lies in the image is looked at, by at most about 4000 pixels
+/// @param mask     8 bit, of the image's size: only where it is 255; empty: an ellipse that fills the box
 /// @return         empty without any pixels
 std::vector<int> of(const cv::Mat& picture, const cv::Rect& box, const cv::Mat& mask = {});
 

@@ -1,4 +1,4 @@
-// Checks that events are one sequence of pictures: one source, in order, with a time for each.
+// Checks that events are one sequence of images: one source, in order, with a time for each.
 #pragma once
 
 #include <hive/error.hpp>
@@ -13,8 +13,8 @@ namespace frame_order {
 class Order {
 public:
     /// Does this frame continue the last one? False for the first of a source or of a restarted one.
-    /// @throws hive::Error  refused: it comes after a later picture of its source. If the same drone sent both, it does
-    ///                      not count; otherwise the next picture may go on from it: no drone may number for another.
+    /// @throws hive::Error  refused: it comes after a later image of its source. If the same drone sent both, it does
+    ///                      not count; otherwise the next image may go on from it: no drone may number for another.
     ///                      Refused as well: its source was left for another one, which still sends; it does not count
     bool goes_on(const hive::Event& event)
     {
@@ -54,8 +54,8 @@ private:
     std::optional<Last> last_, left_;  ///< left_: of the source before that of last_
 };
 
-/// When the picture was taken, s on a clock of its source: its time in the file that it comes from, or else the time of
-/// the capture. @param fps  above 0: pictures are counted at this rate instead
+/// When the image was taken, s on a clock of its source: its time in the file that it comes from, or else the time of
+/// the capture. @param fps  above 0: images are counted at this rate instead
 inline double time_of(const hive::Event& event, double fps)
 {
     if (fps > 0)

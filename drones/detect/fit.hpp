@@ -23,7 +23,7 @@ public:
 
 private:
     cv::Size picture_, input_;
-    cv::Point2d scale_, offset_;  ///< from px of the picture to px of the input
+    cv::Point2d scale_, offset_;  ///< from px of the image to px of the input
 };
 
 }  // namespace detect

@@ -221,7 +221,7 @@ private:
     {
         const int numbers = std::max({layout_.box_at + 4, layout_.score_at + 1, layout_.class_at + 1});
         const bool may_be_yolov5 = numbers == 6 && layout_.extra == Extra::none;
-        const bool may_be_classes = down == 1 && named_ == across;  // of one picture
+        const bool may_be_classes = down == 1 && named_ == across;  // of one image
         const bool likely =
             !may_be_classes && (!may_be_yolov5 || (down <= max_listed && (named_ > 1 || !is_grid(down, known_.input))));
         return across == numbers && (told_ || likely) ? std::optional(place) : std::nullopt;

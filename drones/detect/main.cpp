@@ -1,4 +1,4 @@
-// The detect drone receives pictures and publishes boxes of people, or of the classes of a model.
+// The detect drone receives images and publishes boxes of people, or of the classes of a model.
 #include "network.hpp"
 #include "people_finder.hpp"
 

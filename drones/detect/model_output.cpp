@@ -71,7 +71,7 @@ bool usable(const Candidate& candidate)
            && sane(candidate.angle) && std::ranges::all_of(candidate.extra, sane) && candidate.class_index >= 0;
 }
 
-/// Each class of the whole picture.
+/// Each class of the whole image.
 std::vector<Candidate> classes_of(const float* scores, const Place& place, cv::Size input)
 {
     std::vector<Candidate> found;

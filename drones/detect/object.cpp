@@ -1,4 +1,4 @@
-// Sorts objects and draws them into a picture.
+// Sorts objects and draws them into an image.
 #include "object.hpp"
 
 #include <opencv2/imgproc.hpp>

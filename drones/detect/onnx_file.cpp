@@ -134,7 +134,7 @@ void add_operator(Fields node, std::vector<std::string>& names)
                 names.push_back(std::move(name));
 }
 
-/// GraphProto: node = 1, input = 11, the first of which that has four sides is the picture: 1, 3, height, width.
+/// GraphProto: node = 1, input = 11, the first of which that has four sides is the image: 1, 3, height, width.
 void read_graph(Fields graph, ModelCard& card)
 {
     while (graph.next())

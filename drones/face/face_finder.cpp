@@ -1,4 +1,4 @@
-// Converts the picture to grey, applies the cascade, and sorts the boxes.
+// Converts the image to grey, applies the cascade, and sorts the boxes.
 #include "face_finder.hpp"
 
 #include <opencv2/imgproc.hpp>

@@ -1,4 +1,4 @@
-// The face drone receives pictures, and publishes boxes of frontal faces and annotated pictures.
+// The face drone receives images, and publishes boxes of frontal faces and annotated images.
 #include "face_finder.hpp"
 #include "yunet_finder.hpp"
 

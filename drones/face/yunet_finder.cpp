@@ -17,7 +17,7 @@ namespace {
 constexpr std::array<std::pair<const char*, std::size_t>, 3> outputs{{{"loc", 14}, {"conf", 2}, {"iou", 1}}};
 constexpr int boxes_before_suppression = 5000;
 
-/// How many places of a picture YuNet looks at: three, two, two and three in each cell of four coarser and coarser
+/// How many places of an image YuNet looks at: three, two, two and three in each cell of four coarser and coarser
 /// grids.
 std::size_t places_in(cv::Size size)
 {

@@ -11,7 +11,7 @@
 namespace face {
 
 struct Face {
-    cv::Rect box;      ///< px, within the picture
+    cv::Rect box;      ///< px, within the image
     double score = 0;  ///< 0 to 1
     std::array<cv::Point2f, 5>
         points{};  ///< px: right eye, left eye, tip of the nose, right and left corner of the mouth
@@ -20,7 +20,7 @@ struct Face {
 class YunetFinder {
 public:
     double min_score = 0.8, overlap = 0.3;
-    static constexpr std::size_t most_faces = 200;  ///< of one picture; the best
+    static constexpr std::size_t most_faces = 200;  ///< of one image; the best
 
     /// Reads the file. @throws std::runtime_error  a sentence about what is wrong
     explicit YunetFinder(const std::string& path);

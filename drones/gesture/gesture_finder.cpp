@@ -94,7 +94,7 @@ private:
 
     [[nodiscard]] double distance(const cv::Point& point) const { return length(point - hand_.palm) / hand_.radius; }
 
-    /// How far inside each pixel is, px. The border of the picture is an edge, so that an arm that enters there stays
+    /// How far inside each pixel is, px. The border of the image is an edge, so that an arm that enters there stays
     /// narrow.
     [[nodiscard]] cv::Mat depths() const
     {
@@ -105,7 +105,7 @@ private:
         return result;
     }
 
-    /// Where the arm enters the picture, in the coordinates of depths(); nothing if the silhouette is wholly inside.
+    /// Where the arm enters the image, in the coordinates of depths(); nothing if the silhouette is wholly inside.
     [[nodiscard]] std::optional<cv::Point2d> entry() const
     {
         cv::Point2d sum;

@@ -16,7 +16,7 @@ class GestureFinder {
 public:
     int max_hands = 1;      ///< the largest so many silhouettes are read
     int smooth = 5;         ///< narrower specks, hairs and gaps of the silhouette are ignored, px; 0: none
-    double min_area = 0.5;  ///< of the smallest silhouette, % of the picture
+    double min_area = 0.5;  ///< of the smallest silhouette, % of the image
 
     /// @param silhouette  8 bit, one channel, not 0 in the silhouette; not changed
     /// @return  the largest first; any silhouette is read as a hand

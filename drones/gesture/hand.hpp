@@ -20,7 +20,7 @@ struct Hand {
 
 /// The pose: fist, one, two, three, four, open.
 std::string_view pose(const Hand& hand);
-/// Outlines boxes and palms, and marks the fingers, in a BGR picture.
+/// Outlines boxes and palms, and marks the fingers, in a BGR image.
 void draw(cv::Mat& picture, const std::vector<Hand>& hands);
 
 }  // namespace gesture

@@ -13,17 +13,17 @@
 namespace gesture {
 namespace {
 
-/// Faces are looked for in pictures of at most so many px a side: smaller ones are too far away to read the hand.
+/// Faces are looked for in images of at most so many px a side: smaller ones are too far away to read the hand.
 constexpr double face_picture = 640;
 /// Of a palm's disc, in widths of the face (as the cascade frames it), and without a face in shorter sides of the
-/// picture.
+/// image.
 constexpr double smallest_by_face = 0.14, usual_by_face = 0.26, largest_by_face = 0.42, smallest_by_picture = 0.02,
                  largest_by_picture = 0.22;
 constexpr double smallest_place = 5;  ///< px
 /// A wall may have nearly the colour of skin: then a stricter look parts the hand from it.
 constexpr std::array<double, 3> strictnesses{1, 0.6, 0.35};
 constexpr std::size_t most_places = 30;
-constexpr int most_asked = 12;  ///< places of one picture that the landmarks' network is shown
+constexpr int most_asked = 12;  ///< places of one image that the landmarks' network is shown
 /// In radii of the palm: how far a hand reaches from its middle; how large the close look is, px.
 constexpr double reach = 3.3, close_radius = 46;
 constexpr double largest_enlargement = 6;
@@ -68,7 +68,7 @@ cv::Mat disc(cv::Size size, cv::Point middle, double radius)
     return mask;
 }
 
-/// The hand that was read in an enlarged part, in px of the picture.
+/// The hand that was read in an enlarged part, in px of the image.
 void move_back(Hand& hand, const cv::Point& corner, double scale)
 {
     const auto place = [&](const cv::Point& point) {
@@ -179,7 +179,7 @@ cv::Mat HandSearch::skin_in(const cv::Mat& picture, const std::optional<SkinColo
 std::vector<HandSearch::Place> HandSearch::places_in(const cv::Mat& skin, double smallest, double largest)
 {
     cv::Mat framed, depth;
-    cv::copyMakeBorder(skin, framed, 1, 1, 1, 1, cv::BORDER_CONSTANT, 0);  // the border of the picture is an edge
+    cv::copyMakeBorder(skin, framed, 1, 1, 1, 1, cv::BORDER_CONSTANT, 0);  // the border of the image is an edge
     cv::distanceTransform(framed, depth, cv::DIST_L2, 5);
     std::vector<Place> places;
     for (std::size_t looked_at = 0; looked_at < 4 * most_places && places.size() < most_places; ++looked_at) {

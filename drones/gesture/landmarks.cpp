@@ -20,7 +20,7 @@ constexpr double clearly = 1.1;
 
 double apart(const cv::Point2d& a, const cv::Point2d& b) { return std::hypot(a.x - b.x, a.y - b.y); }
 
-/// From the picture to the input.
+/// From the image to the input.
 cv::Matx23d cut_of(const Hand& hand)
 {
     const double angle = hand.angle.value_or(0) * CV_PI / 180, scale = input_side / (2 * cut_half * hand.radius);

@@ -1,4 +1,4 @@
-// The gesture drone receives silhouettes or pictures, and publishes hands and their fingers.
+// The gesture drone receives silhouettes or images, and publishes hands and their fingers.
 #include "hand_search.hpp"
 
 #include <hive/drone.hpp>

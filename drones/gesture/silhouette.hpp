@@ -1,4 +1,4 @@
-// Makes the silhouette: from a mask as it is, or from the skin-coloured parts of a picture.
+// Makes the silhouette: from a mask as it is, or from the skin-coloured parts of an image.
 #pragma once
 
 #include <opencv2/core/mat.hpp>
@@ -21,7 +21,7 @@ public:
     SkinRange skin;
 
     /// @param picture  8 bit, BGR or grey; not changed
-    /// @return  grey, 255 in the silhouette and 0 elsewhere. A grey picture has no skin
+    /// @return  grey, 255 in the silhouette and 0 elsewhere. A grey image has no skin
     [[nodiscard]] cv::Mat of(const cv::Mat& picture) const;
 };
 

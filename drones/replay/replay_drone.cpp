@@ -15,7 +15,7 @@ using namespace std::chrono_literals;
 
 constexpr auto everything = "events";
 
-/// Are all of these types those of pictures, which connections may have encoded?
+/// Are all of these types those of images, which connections may have encoded?
 bool are_pictures(const std::string& types)
 {
     std::istringstream list(types);

@@ -16,9 +16,9 @@ constexpr double place_noise = 0.1, first_speed = 2;
 constexpr double size_settles = 0.15;
 /// So many times `forget` tracks may share one box; then it is taken for one thing that was followed twice.
 constexpr int share_patience = 4;
-/// A box that comes so near to the border of the picture may be cut off there, px.
+/// A box that comes so near to the border of the image may be cut off there, px.
 constexpr double at_border = 2;
-/// Pictures without a box after which a track counts as lost.
+/// Images without a box after which a track counts as lost.
 constexpr int lost = 3;
 /// What leaving a track and a box alone costs; a pair costs less.
 constexpr double alone = 1;
@@ -207,7 +207,7 @@ void Tracker::notice_replaced(std::span<const Box> boxes)
     }
 }
 
-/// Of a thing that is cut off by the border of the picture, only the edge inside tells where it is: it is as large as
+/// Of a thing that is cut off by the border of the image, only the edge inside tells where it is: it is as large as
 /// before. So it goes out at its speed, and does not stay at the border until somebody else comes in.
 Box Tracker::completed(const Followed& one, const Box& box) const
 {
@@ -224,7 +224,7 @@ Box Tracker::completed(const Followed& one, const Box& box) const
     return whole;
 }
 
-/// The part in the picture, if its size is known and there is one.
+/// The part in the image, if its size is known and there is one.
 Box Tracker::visible(const Box& box) const
 {
     const double right = std::min(box.x + box.w, width), bottom = std::min(box.y + box.h, height);
@@ -258,7 +258,7 @@ double Tracker::cost_of_weak(const Followed& one, const Box& box) const
     return one.track.confirmed && overlap >= weak_overlap ? alone * (1 - overlap) : alone;
 }
 
-/// For tracks that have missed a picture before, and may have gone elsewhere meanwhile.
+/// For tracks that have missed an image before, and may have gone elsewhere meanwhile.
 double Tracker::cost_of_return(const Followed& one, const Box& box) const
 {
     const double looks = appearance > 0 ? difference(one.look, box.look).value_or(1) : 1;
@@ -269,7 +269,7 @@ double Tracker::cost_of_return(const Followed& one, const Box& box) const
     return far >= 1 ? alone : alone * (far + looks) / 2;
 }
 
-/// Has it been missing for too long, gone out of the picture, or been replaced by something else?
+/// Has it been missing for too long, gone out of the image, or been replaced by something else?
 bool Tracker::over(const Followed& one) const
 {
     const double x = one.x.place(), y = one.y.place();

@@ -27,34 +27,34 @@ double intersection_over_union(const Box& a, const Box& b);
 struct Track {
     std::int64_t id = 0;              ///< from 1, never used again
     Box box;                          ///< where it is, or without a box of its own: where it should be
-    int age = 1;                      ///< pictures since its first box, that one included
+    int age = 1;                      ///< images since its first box, that one included
     double seconds = 0;               ///< since its first box
     double speed_x = 0, speed_y = 0;  ///< px/s
     int hits = 1;                     ///< boxes that it had for itself
-    int missing = 0;                  ///< pictures since it was seen last, alone or in one box with others
+    int missing = 0;                  ///< images since it was seen last, alone or in one box with others
     bool confirmed = false;           ///< had enough boxes to be believed
     bool operator==(const Track&) const = default;
 };
 
-/// The most boxes of one picture, and the most tracks at a time: more boxes are an error, further births wait.
+/// The most boxes of one image, and the most tracks at a time: more boxes are an error, further births wait.
 inline constexpr std::size_t most_boxes = 256;
 
 /// The same boxes at the same times give the same tracks.
 class Tracker {
 public:
     int confirm =
-        3;  ///< boxes, one in each picture, until a track is confirmed; before, its first miss ends it. At least 1
-    int forget = 30;  ///< pictures in a row without a box that end a confirmed track. At least 1
+        3;  ///< boxes, one in each image, until a track is confirmed; before, its first miss ends it. At least 1
+    int forget = 30;  ///< images in a row without a box that end a confirmed track. At least 1
     double gate =
         0.7;  ///< how far a box may be from where it is expected, in diagonals of the two boxes (their mean). Above 0
     double agility = 2;  ///< how much the speed may change, in sides of the box (root of its area) per s^2. Above 0
     double strong =
         0.5;  ///< a box with a lower score begins no track, and goes only to a track that no other box wants
     double appearance = 0.4;       ///< how much looks count beside motion, 0 to 1; 0: motion alone
-    double width = 0, height = 0;  ///< of the pictures, px: a track that is more than half outside ends; 0: unknown
-    double max_gap = 2;  ///< pictures further apart have nothing to do with each other, s: all tracks end. Above 0
+    double width = 0, height = 0;  ///< of the images, px: a track that is more than half outside ends; 0: unknown
+    double max_gap = 2;  ///< images further apart have nothing to do with each other, s: all tracks end. Above 0
 
-    /// The next picture. @param seconds  its time on any clock; earlier than the last one: all tracks end
+    /// The next image. @param seconds  its time on any clock; earlier than the last one: all tracks end
     /// @param boxes  with sides above 0, at most most_boxes
     /// @return  all tracks, by id
     std::vector<Track> next(double seconds, std::span<const Box> boxes);
@@ -74,9 +74,9 @@ private:
         double w, h;
         Look look;
         double since_hit = 0;  ///< s
-        int shared = 0;        ///< pictures in one box with others since its last own one
-        int replaced = 0;      ///< pictures in a row in which something that looks different was in its place
-        bool has_box = false;  ///< of its own, in this picture
+        int shared = 0;        ///< images in one box with others since its last own one
+        int replaced = 0;      ///< images in a row in which something that looks different was in its place
+        bool has_box = false;  ///< of its own, in this image
     };
     /// A round in which tracks without a box and boxes without a track are paired.
     struct Round {
@@ -99,7 +99,7 @@ private:
     void bear(std::span<const Box> boxes, const std::vector<bool>& taken);
 
     std::vector<Followed> followed_;  ///< by id
-    std::optional<double> last_;      ///< time of the last picture
+    std::optional<double> last_;      ///< time of the last image
     std::int64_t ids_ = 0;
 };
 

@@ -9,17 +9,17 @@
 
 namespace view {
 
-/// A picture as browsers get it.
+/// An image as browsers get it.
 struct Encoded {
     Jpeg jpeg;  ///< null: there was none yet
     std::uint64_t version = 0;
 };
 
-/// Encodes one picture at a time, then the newest one; idle without requests.
+/// Encodes one image at a time, then the newest one; idle without requests.
 class Encoder {
 public:
     /// @param exchange  outlives the encoder
-    /// @param done      called on its thread when a picture is ready
+    /// @param done      called on its thread when an image is ready
     Encoder(const Exchange& exchange, std::function<void()> done);
     /// Waits for the current image.
     ~Encoder();

@@ -1,4 +1,4 @@
-// The view drone shows pictures in a window and in browsers.
+// The view drone shows images in a window and in browsers.
 #include "view_drone.hpp"
 
 int main(int argc, char** argv)

@@ -1,4 +1,4 @@
-// Draws a strip of text whose size follows the picture.
+// Draws a strip of text whose size follows the image.
 #include "overlay.hpp"
 
 #include <opencv2/imgproc.hpp>
@@ -11,7 +11,7 @@ namespace {
 
 constexpr int font = cv::FONT_HERSHEY_SIMPLEX;
 
-/// Font scale with which the text is about a 28th of the picture's height, or as wide as the picture if that is less.
+/// Font scale with which the text is about a 28th of the image's height, or as wide as the image if that is less.
 double scale_for(const std::string& text, cv::Size size)
 {
     const double wanted = std::clamp(size.height / 28.0 / 26.0, 0.4, 3.0);

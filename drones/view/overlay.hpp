@@ -17,7 +17,7 @@ struct Origin {
     std::int64_t sequence = 0;  ///< of the capture
     cv::Size size = {};         ///< px
     std::optional<std::chrono::system_clock::time_point> captured = {};
-    double rate = 0;  ///< pictures a second when it came; 0: not known yet
+    double rate = 0;  ///< frames per second when it came; 0: not known yet
 };
 
 /// "face.annotated from camera  29.8 fps  12 ms"; unknown parts are omitted.
@@ -28,7 +28,7 @@ std::string age_text(std::chrono::milliseconds age);
 /// A copy of `picture` (8 bit, grey or BGR) with the text on a dark strip at its lower edge, small enough for its
 /// width.
 cv::Mat with_caption(const cv::Mat& picture, const std::string& text);
-/// A dark picture with a text in the middle.
+/// A dark image with a text in the middle.
 cv::Mat notice(const std::string& text, cv::Size size = {640, 360});
 
 }  // namespace view

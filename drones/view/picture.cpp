@@ -88,7 +88,7 @@ const Jpeg& Picture::plain_jpeg() const
     return plain_;
 }
 
-/// What damaged pictures do to a viewer: it says so in their place.
+/// What damaged images do to a viewer: it says so in their place.
 cv::Mat Picture::make_shown() const
 try {
     const cv::Mat& pixels = source_->pixels();
@@ -97,7 +97,7 @@ try {
     return notice(error.what());
 }
 
-/// A picture whose sides are longer than a JPEG's may be cannot be encoded.
+/// An image whose sides are longer than a JPEG's may be cannot be encoded.
 Jpeg Picture::make_jpeg() const
 try {
     return source_->jpeg && !look_.overlay ? source_->jpeg : encode(shown(), look_.quality);

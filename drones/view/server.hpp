@@ -1,4 +1,4 @@
-// The server of the page: one page with its style and script, one picture, one stream and one status.
+// The server of the page: one page with its style and script, one image, one stream and one status.
 #pragma once
 
 #include "exchange.hpp"
@@ -9,7 +9,7 @@
 
 namespace view {
 
-/// One thread serves all browsers and never waits for one of them; another one prepares the pictures that they ask for.
+/// One thread serves all browsers and never waits for one of them; another one prepares the images that they ask for.
 class Server {
 public:
     using Settings = hive::http::Server::Settings;

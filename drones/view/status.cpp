@@ -1,4 +1,4 @@
-// Describes the newest picture as JSON.
+// Describes the newest image as JSON.
 #include "status.hpp"
 
 #include <cmath>

@@ -1,5 +1,5 @@
 // Writes the parts of a multipart body. The line that ends a part leaves together with it, because browsers show a
-// picture when they see it.
+// image when they see it.
 #include "stream.hpp"
 
 #include <algorithm>

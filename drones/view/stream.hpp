@@ -1,4 +1,4 @@
-// Writes the endless body of an MJPEG stream (multipart/x-mixed-replace). Each reader gets the newest picture when it
+// Writes the endless body of an MJPEG stream (multipart/x-mixed-replace). Each reader gets the newest image when it
 // is ready for one.
 #pragma once
 
@@ -19,7 +19,7 @@ public:
 
     using Newest = std::function<Encoded(Exchange::Time now)>;
 
-    /// @param newest  the newest picture that is ready; null while there is none
+    /// @param newest  the newest image that is ready; null while there is none
     /// @param repeat  after this long without a new picture, or a new text on it, the last one is sent again, so that
     /// readers that are gone are noticed
     Stream(Newest newest, std::chrono::milliseconds repeat) : newest_(std::move(newest)), repeat_(repeat) {}

@@ -102,14 +102,14 @@ std::string ViewDrone::problem() const
 void ViewDrone::take(const hive::Event& event)
 {
     const cv::Size size =
-        hive::vision::size_of(event.body, event.type, {}, event.header);  // refuses what is no picture
+        hive::vision::size_of(event.body, event.type, {}, event.header);  // refuses what is no image
     exchange_.put(std::make_shared<Picture>(origin_of(event, size, rate_.count(Clock::now())), content_of(event),
                                             Picture::Look{overlay_, quality_}));
     show();
     hold(event);
 }
 
-/// Decodes only when a viewer needs the picture, on the thread of the window or of the encoder.
+/// Decodes only when a viewer needs the image, on the thread of the window or of the encoder.
 Picture::Content ViewDrone::content_of(const hive::Event& event) const
 {
     hive::Event picture = event;
@@ -149,7 +149,7 @@ void ViewDrone::hold(const hive::Event& event)
     drone_.wake();
 }
 
-/// Lets go of the pictures that were shown long enough; returns when the next one was.
+/// Lets go of the images that were shown long enough; returns when the next one was.
 std::chrono::microseconds ViewDrone::step()
 {
     const auto now = Clock::now();

@@ -1,4 +1,4 @@
-// A window that shows the newest picture, in its own size where the screen is large enough.
+// A window that shows the newest image, in its own size where the screen is large enough.
 #pragma once
 
 #include "exchange.hpp"

@@ -1,4 +1,4 @@
-// Keeps the distances between pictures of one clock.
+// Keeps the distances between images of one clock.
 #include "file_times.hpp"
 
 namespace writing {

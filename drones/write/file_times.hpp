@@ -18,13 +18,13 @@ struct Moment {
 /// No clock of its own.
 class FileTimes {
 public:
-    /// The time of the next picture since the first. Where the clock is another one, or has gone back or jumped by more
-    /// than a minute, the picture follows the last one at the usual distance.
+    /// The time of the next image since the first. Where the clock is another one, or has gone back or jumped by more
+    /// than a minute, the image follows the last one at the usual distance.
     std::chrono::microseconds next(const Moment& moment);
 
 private:
     std::optional<Moment> last_;
-    std::int64_t file_us_ = 0;      ///< of the last picture
+    std::int64_t file_us_ = 0;      ///< of the last image
     std::int64_t distance_us_ = 0;  ///< between the last two
 };
 

@@ -1,4 +1,4 @@
-// The write drone writes the pictures that it receives to a video or a folder.
+// The write drone writes the images that it receives to a video or a folder.
 #include "write_drone.hpp"
 
 int main(int argc, char** argv)

@@ -1,4 +1,4 @@
-// Writes each picture beside its name first, so that nobody sees half of one; and chooses between folder and video.
+// Writes each image beside its name first, so that nobody sees half of one; and chooses between folder and video.
 #include "picture_folder.hpp"
 
 #include "regular_file.hpp"
@@ -54,7 +54,7 @@ bool is_numbered(const fs::path& name)
            && (ending == ".jpg" || ending == ".png");
 }
 
-/// Pictures of before would mix with those that come, of which there may be fewer. Whatever else lies there stays.
+/// Images of before would mix with those that come, of which there may be fewer. Whatever else lies there stays.
 void remove_numbered(const fs::path& folder)
 {
     std::vector<fs::path> old;

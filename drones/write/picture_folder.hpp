@@ -7,7 +7,7 @@
 
 namespace writing {
 
-/// Files 00000001.jpg and so on; JPEG and PNG files that come are written as they are, pictures of 16 bits and what
+/// Files 00000001.jpg and so on; JPEG and PNG files that come are written as they are, images of 16 bits and what
 /// came as plain pixels with quality 100 as PNG, the rest as JPEG. `times.csv` says when each was taken.
 class PictureFolder final : public Sink {
 public:

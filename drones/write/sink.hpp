@@ -37,22 +37,22 @@ struct Held {
 class Sink {
 public:
     virtual ~Sink() = default;
-    /// @param time  since the first picture; larger each time
+    /// @param time  since the first image; larger each time
     /// @throws std::runtime_error  saying what the system or the encoder refused; nothing more can be written then
     virtual void add(const Picture& picture, std::chrono::microseconds time) = 0;
     /// Completes it. @throws std::runtime_error  what came before is there all the same
     virtual void close() = 0;
-    /// Can a picture of this kind be written without its pixels?
+    /// Can an image of this kind be written without its pixels?
     [[nodiscard]] virtual bool takes_encoded(const std::string& ending) const = 0;
-    /// After a failure, what can be read: pictures may have been lost with what was not yet written. Nothing if each
+    /// After a failure, what can be read: images may have been lost with what was not yet written. Nothing if each
     /// was written at once.
     [[nodiscard]] virtual std::optional<Held> held() const { return std::nullopt; }
-    /// By what the pictures are encoded: "libx264"; empty before the first.
+    /// By what the images are encoded: "libx264"; empty before the first.
     [[nodiscard]] virtual std::string encoder() const = 0;
 };
 
 /// A video for .mp4, .m4v, .mov, .mkv and .avi, otherwise a folder: a path that ends in `/`, or is a folder already.
-/// Nothing is made before the first picture comes.
+/// Nothing is made before the first image comes.
 /// @throws std::runtime_error  the ending means nothing, there is such a file already, or no folder to put it into
 std::unique_ptr<Sink> open_sink(const Settings& settings);
 

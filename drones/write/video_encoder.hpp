@@ -1,4 +1,4 @@
-// Pictures to packets, by the first encoder of FFmpeg that is there and fits the file.
+// Images to packets, by the first encoder of FFmpeg that is there and fits the file.
 #pragma once
 
 #include <ffmpeg.hpp>
@@ -17,7 +17,7 @@ struct EncoderSettings {
     int quality = 80;              ///< 1 to 100
 };
 
-/// For one thread. Each picture leaves as soon as it has come, so that a file that is cut short has all of them.
+/// For one thread. Each image leaves as soon as it has come, so that a file that is cut short has all of them.
 class VideoEncoder {
 public:
     /// @param container  what the packets are for
@@ -25,7 +25,7 @@ public:
     VideoEncoder(const AVOutputFormat& container, const EncoderSettings& settings);
 
     /// @param picture  BGR or grey, 8 bit, of any size: it is scaled
-    /// @param key      it shall need no other picture
+    /// @param key      it shall need no other image
     void encode(const cv::Mat& picture, std::int64_t time, bool key, const std::function<void(AVPacket&)>& take);
     /// What is still inside.
     void finish(const std::function<void(AVPacket&)>& take);

@@ -1,4 +1,4 @@
-// A video file in which each picture keeps its time, and which can be played whenever it is cut off.
+// A video file in which each image keeps its time, and which can be played whenever it is cut off.
 #pragma once
 
 #include "sink.hpp"
@@ -34,7 +34,7 @@ private:
     bool begun_ = false;  ///< with a header and an encoder: only what has begun can be completed
     AVStream* stream_ = nullptr;
     std::optional<VideoEncoder> encoder_;
-    std::optional<std::int64_t> last_, last_key_;  ///< times of pictures, in the time base of the encoder
+    std::optional<std::int64_t> last_, last_key_;  ///< times of images, in the time base of the encoder
     std::int64_t distance_ = 0;
 };
 

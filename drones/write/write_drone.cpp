@@ -14,7 +14,7 @@
 namespace writing {
 namespace {
 
-constexpr double usual_fps = 25;  ///< of pictures without a time of their own
+constexpr double usual_fps = 25;  ///< of images without a time of their own
 
 std::int64_t number_in(const hive::Json& header, const char* field)
 {
@@ -108,7 +108,7 @@ void WriteDrone::spare_what_was_written()
 }
 
 /// The new file first: if it cannot be, the old one goes on. A set that is put back, because another drone refuses it,
-/// comes before the next picture and finds the old one as it was; of the new one nothing is there yet.
+/// comes before the next image and finds the old one as it was; of the new one nothing is there yet.
 void WriteDrone::open()
 {
     if (former_ && former_->path == file_) {
@@ -138,7 +138,7 @@ void WriteDrone::take(const hive::Event& event)
     end_former();
     if (!present_.sink) {
         static_cast<void>(
-            hive::vision::view(event, {.sixteen_bits = true}));  // what is no picture is told all the same
+            hive::vision::view(event, {.sixteen_bits = true}));  // what is no image is told all the same
         present_.later += present_.path.empty() ? 0 : 1;
         return say();
     }
@@ -147,7 +147,7 @@ void WriteDrone::take(const hive::Event& event)
         close(present_, "count reached");
 }
 
-/// A picture that cannot be read is an exception of its own, and the next one is written; but not where the disk fails.
+/// An image that cannot be read is an exception of its own, and the next one is written; but not where the disk fails.
 void WriteDrone::write(const hive::Event& event)
 {
     Picture picture{.pixels = {}, .sequence = event.identity.sequence, .fps = fps_in(event.header)};
@@ -169,9 +169,9 @@ void WriteDrone::write(const hive::Event& event)
     present_.last = time;
 }
 
-/// What a picture from a file says of its time there; of others, when they were captured. A source on demand captures
+/// What an image from a file says of its time there; of others, when they were captured. A source on demand captures
 /// as fast as the swarm works, which says nothing. The epoch tells one file from the next, and each round of one; the
-/// name would not do, for in a folder every picture has its own.
+/// name would not do, for in a folder every image has its own.
 Moment WriteDrone::moment_of(const hive::Event& event) const
 {
     const auto& identity = event.identity;

@@ -17,7 +17,7 @@ struct File {
     std::string path;            ///< empty: none
     std::unique_ptr<Sink> sink;  ///< gone when the file has ended
     FileTimes times = {};
-    std::int64_t written = 0, later = 0;  ///< pictures
+    std::int64_t written = 0, later = 0;  ///< images
     std::chrono::microseconds last{0};    ///< the time of the last one
     std::string ended = {};               ///< how
 };

@@ -25,14 +25,14 @@ struct Behaviour {
     bool mute = false;          ///< accepts connections and sends nothing
     bool stall = false;         ///< streams pause
     bool unauthorised = false;  ///< every login is refused
-    bool html = false;          ///< a web page instead of pictures
+    bool html = false;          ///< a web page instead of images
     bool foreign = false;       ///< a web server that is not a camera
     bool garbage = false;       ///< bytes between the parts, unknown fields in their heads
     bool truncated = false;     ///< half images in complete parts
     bool endless_head = false, endless_part = false;
     bool huge_head = false;                                  ///< 100 KiB of fields before every answer
-    int status = 200;                                        ///< of the pictures
-    int stall_after = -1, close_after = -1, cut_after = -1;  ///< pictures of a stream; -1: never
+    int status = 200;                                        ///< of the images
+    int stall_after = -1, close_after = -1, cut_after = -1;  ///< images of a stream; -1: never
     int bytes_per_s = 0;                                     ///< 0: unlimited
     std::string redirect;                                    ///< target of all redirections
 

@@ -1,4 +1,4 @@
-// hive-axis-emulator: a camera that speaks VAPIX, for tests and for trying things out; it draws its pictures.
+// hive-axis-emulator: a camera that speaks VAPIX, for tests and for trying things out; it draws its images.
 #include "server.hpp"
 
 #include <opencv2/core/utility.hpp>

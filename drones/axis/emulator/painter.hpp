@@ -1,4 +1,4 @@
-// Makes the pictures of the emulated camera: the synthetic scene, with the settings of its parameters.
+// Makes the images of the emulated camera: the synthetic scene, with the settings of its parameters.
 #pragma once
 
 #include "parameter_store.hpp"

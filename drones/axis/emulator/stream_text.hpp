@@ -1,4 +1,4 @@
-// Writes streams of pictures in every variant that cameras and broken cameras have.
+// Writes streams of images in every variant that cameras and broken cameras have.
 #pragma once
 
 #include "behaviour.hpp"
@@ -10,7 +10,7 @@ namespace axis::emulator {
 /// The Content-Type of the stream.
 std::string stream_type(const Behaviour& behaviour);
 
-/// One part: boundary, head, picture and what follows it.
+/// One part: boundary, head, image and what follows it.
 std::string stream_part(const Behaviour& behaviour, const std::string& jpeg);
 
 }  // namespace axis::emulator
