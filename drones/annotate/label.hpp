@@ -9,9 +9,8 @@
 namespace annotate {
 
 /// @param text   printable ASCII
-/// @param box    px; outside of the image it gets no label. The label stands above it, or else inside or below, where
-/// the
-///               image has room and no other label stands
+/// @param box    px; without a label if it is outside of the image. The label is above it, or else inside or below,
+///               where the image has room and there is no other label
 /// @param taken  areas of existing labels; the new one is added
 void write_label(cv::Mat& picture, const std::string& text, const cv::Rect& box, const cv::Scalar& colour,
                  std::vector<cv::Rect>& taken);

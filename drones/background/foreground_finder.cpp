@@ -46,7 +46,7 @@ Foreground ForegroundFinder::find(const cv::Mat& picture)
     }
     result.learned = ++learned_;
     if (learned_ <= young)
-        result.mask.setTo(0);  // there is hardly anything yet that it could differ from
+        result.mask.setTo(0);  // the background is hardly known yet
     tidy(result.mask);
     result.blobs = blobs_of(result.mask);
     return result;
@@ -62,9 +62,9 @@ void ForegroundFinder::begin(const cv::Mat& picture)
     known_.release();
 }
 
-/// If the light has changed, the model is begun anew with the background that it knew, in the new light: so what stands
-/// before it stays foreground. (Of a grey image KNN cannot tell what it knows.) The whole background is made only for
-/// a change: small copies tell, and that of the background is kept, for much foreground may stay for long.
+/// If the light has changed, restarts the model with its known background in the new light, so that things in front of
+/// it stay foreground. (OpenCV's KNN does not return the background of grey images.) Small copies detect a change; the
+/// full background is computed only for one. The small background is kept, because much foreground may stay for long.
 bool ForegroundFinder::relight(const cv::Mat& picture, const cv::Mat& mask)
 {
     const bool told = model.method == "mog2" || picture.channels() == 3;
@@ -83,14 +83,13 @@ bool ForegroundFinder::relight(const cv::Mat& picture, const cv::Mat& mask)
     const cv::Mat lit = in_the_light(known, *gains);
     known_.release();
     subtractor_ = make(model);
-    // Of one image a mixture takes the noise for large, which suits. A young KNN takes in whatever stays for a
-    // moment.
+    // From one image a mixture assumes large noise, which is fine. A young KNN would learn anything that stays briefly.
     for (int i = 0; i < (model.method == "mog2" ? 1 : settled); ++i)
         subtractor_->apply(lit, ignored, learning_rate(model));
     return true;
 }
 
-/// Works on the foreground alone; what stays of the shadows is what the foreground does not cover.
+/// Filters only the foreground; shadows remain where the foreground does not cover them.
 void ForegroundFinder::tidy(cv::Mat& mask) const
 {
     if (open == 0 && close == 0)

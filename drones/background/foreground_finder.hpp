@@ -34,7 +34,7 @@ struct Foreground {
     cv::Mat mask;                ///< grey: 255 foreground, 0 background, 127 shadow
     std::vector<Blob> blobs;     ///< at most most_blobs, the largest; from top to bottom, then from left to right
     std::int64_t learned = 0;    ///< images that the model has seen, this one included
-    bool light_changed = false;  ///< at this image: the model was begun anew, from what it knew in the new light
+    bool light_changed = false;  ///< at this image: the model was restarted with the known background in the new light
 };
 
 class ForegroundFinder {
@@ -49,11 +49,11 @@ public:
     int min_area = 300;  ///< of a blob, px
     double light = 50;   ///< so much foreground, % of the image, may be a change of the light; 100: nothing is
 
-    /// The next image. The first one, and one of another size or number of channels, begins a new model; so does one
-    /// that is mostly the known background in another light.
+    /// Processes the next image. The first one, and one of another size or number of channels, starts a new model; so
+    /// does one that is mostly the known background in another light.
     /// @param picture  8 bit, BGR or grey; not changed
     [[nodiscard]] Foreground find(const cv::Mat& picture);
-    /// The next image begins a new model.
+    /// Makes the next image start a new model.
     void restart() { subtractor_.release(); }
 
 private:

@@ -70,7 +70,7 @@ hive::Constraint one_of_the_layouts()
     return constraint;
 }
 
-/// The parameters, and the detector that they ask for.
+/// The parameters, and the detector that they select.
 class Detector {
 public:
     void declare(hive::Drone& drone)
@@ -79,7 +79,7 @@ public:
         declare_network(drone);
     }
 
-    /// Makes what the parameters say ready; throws a sentence when that cannot be, and goes on as it was.
+    /// Loads the detector for the parameters; if that fails, throws the reason and keeps the old one.
     void apply()
     {
         if (people_.stride % 4 != 0)
@@ -169,7 +169,7 @@ void detect_drone(hive::Drone& drone)
     hive::vision::LoanAllocator loans([&](std::size_t bytes) { return annotated.loan(bytes); });
     drone.on_start([&] {
         cv::setNumThreads(1);  // one drone, one core: to use more, start more drones
-        cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);  // what matters is thrown
+        cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);  // relevant errors are exceptions
         detector.apply();
     });
     drone.on_change([&] { detector.apply(); });

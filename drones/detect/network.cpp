@@ -81,7 +81,7 @@ Network::Network(const NetworkSettings& settings) : settings_(settings), names_(
     choose_engine();
 }
 
-/// What the file tells counts where nothing else was told.
+/// Values of the file are used unless they are set.
 void Network::read_card()
 {
     const ModelCard card = model_card(settings_.model);

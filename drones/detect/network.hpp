@@ -17,8 +17,8 @@ struct NetworkSettings {
     std::string model;    ///< path of the .onnx file
     std::string classes;  ///< path of a text file, one name a line in the order of the model; empty: those that the
                           ///< model's file tells, or else numbers
-    cv::Size input;       ///< px; a side of 0: what the file says, or else 640
-    std::string layout;   ///< the name of one; empty: told by the outputs
+    cv::Size input;       ///< px; a side of 0: from the file, or else 640
+    std::string layout;   ///< the name of one; empty: by the outputs
     std::string fit = "auto";     ///< a name of a Fit::Kind; "auto": crop for a classifier, else letterbox
     double scale = 1.0 / 255;     ///< the input is (pixel - mean) * scale
     cv::Scalar mean;              ///< for each channel, in the order of the model
@@ -35,7 +35,7 @@ public:
     double overlap =
         0.45;  ///< of two boxes of one class that overlap more (intersection over union), the better one is kept
 
-    /// Reads the files and runs the model once, to see that it can run and what its output is.
+    /// Reads the files and runs the model once, to check it and to get the form of its output.
     /// @throws std::runtime_error  with the reason as a sentence
     explicit Network(const NetworkSettings& settings);
 

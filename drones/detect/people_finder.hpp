@@ -12,7 +12,7 @@ namespace detect {
 class PeopleFinder {
 public:
     double hit_threshold = 0;  ///< margin that a window needs: higher finds fewer, and fewer that are none
-    double enlarge = 1;        ///< the image, 1 to 4 times: people must be at least 96 px high in what is looked at
+    double enlarge = 1;        ///< the image, 1 to 4 times: people must be at least 96 px high in the enlarged image
     double scale = 1.05;       ///< step between image scales, 1.01 to 2
     int stride = 8;            ///< between windows, px: a multiple of 4
     int padding = 16;          ///< around the image, px, so that people at its border are seen
@@ -24,7 +24,7 @@ public:
     [[nodiscard]] std::vector<Object> find(const cv::Mat& picture) const;
 
 private:
-    /// The box in the image of a window in what was looked at.
+    /// Maps a window in the enlarged image to a box in the image.
     [[nodiscard]] cv::Rect in_picture(const cv::Rect& window) const;
 
     cv::HOGDescriptor descriptor_;

@@ -31,7 +31,7 @@ hive::Json to_json(const Face& face, bool scored)
     return json;
 }
 
-/// The parameters, and the detector that they ask for.
+/// The parameters, and the detector that they select.
 class Detector {
 public:
     void declare(hive::Drone& drone)
@@ -52,7 +52,7 @@ public:
                         "yunet: a face that overlaps a better one by more than this is left out");
     }
 
-    /// Makes what the parameters say ready; throws a sentence when that cannot be, and goes on as it was.
+    /// Loads the detector for the parameters; if that fails, throws the reason and keeps the old one.
     void apply()
     {
         if (cascades_.max_size != 0 && cascades_.max_size < cascades_.min_size)
@@ -107,7 +107,7 @@ void face_drone(hive::Drone& drone)
     hive::vision::LoanAllocator loans([&](std::size_t bytes) { return annotated.loan(bytes); });
     drone.on_start([&] {
         cv::setNumThreads(1);  // one drone, one core: to use more, start more drones
-        cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);  // what matters is thrown
+        cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);  // relevant errors are exceptions
         detector.apply();
     });
     drone.on_change([&] { detector.apply(); });

@@ -1,4 +1,4 @@
-// Checks that the model gives what OpenCV's detector takes for granted, and converts its table to faces.
+// Checks that the model has the outputs that OpenCV's detector assumes, and converts its table to faces.
 #include "yunet_finder.hpp"
 
 #include <opencv2/imgproc.hpp>
@@ -48,12 +48,12 @@ YunetFinder::YunetFinder(const std::string& path) : path_(path)
     try {
         net_ = cv::dnn::readNetFromONNX(path);
         detector_ = cv::FaceDetectorYN::create(path, "", {320, 320});
-    } catch (const cv::Exception&) {  // names lines of OpenCV; the sentence below says what a user can know
+    } catch (const cv::Exception&) {  // names lines of OpenCV; the error below is for users
         throw std::runtime_error(path + " is not an ONNX model that OpenCV's DNN can read");
     }
 }
 
-/// OpenCV's detector reads as many numbers as it expects, whether they are there or not.
+/// OpenCV's detector reads the expected number of values without checking the size.
 void YunetFinder::prepare(cv::Size size)
 {
     if (size == size_)

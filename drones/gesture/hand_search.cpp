@@ -92,7 +92,7 @@ void HandSearch::load_faces(const std::string& cascade_path)
         bool good = false;
         try {
             good = loaded.load(cascade_path);
-        } catch (const cv::Exception&) {  // what is not XML at all; the sentence below says enough
+        } catch (const cv::Exception&) {  // not XML; the error below suffices
         }
         if (!good)
             throw std::runtime_error(cascade_path + " is not a cascade");

@@ -56,13 +56,13 @@ HandLandmarks::HandLandmarks(const std::string& path)
         throw std::runtime_error("no model at " + path);
     try {
         net_ = cv::dnn::readNetFromONNX(path);
-    } catch (const cv::Exception&) {  // names lines of OpenCV; the sentence below says what a user can know
+    } catch (const cv::Exception&) {  // names lines of OpenCV; the error below is for users
         throw std::runtime_error(path + " is not an ONNX model that OpenCV's DNN can read");
     }
     choose_outputs(path);
 }
 
-/// Whether the channels come first or last only a run can tell.
+/// Only a run shows whether the channels are first or last.
 void HandLandmarks::choose_outputs(const std::string& path)
 {
     std::string problem;

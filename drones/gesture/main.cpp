@@ -80,7 +80,7 @@ public:
         declare_skin(drone);
     }
 
-    /// Makes what the parameters say ready; throws a sentence when that cannot be, and goes on as it was.
+    /// Loads the detector for the parameters; if that fails, throws the reason and keeps the old one.
     void apply()
     {
         const cv::Rect region = region_from(region_);
@@ -147,7 +147,7 @@ void gesture_drone(hive::Drone& drone)
     hive::vision::LoanAllocator loans([&](std::size_t bytes) { return annotated.loan(bytes); });
     drone.on_start([&] {
         cv::setNumThreads(1);  // one drone, one core: to use more, start more drones
-        cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);  // what matters is thrown
+        cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);  // relevant errors are exceptions
         reader.apply();
     });
     drone.on_change([&] { reader.apply(); });

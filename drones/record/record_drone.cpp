@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* at_end = "end of source";
 
-/// Events that came and that the drone's code has not seen.
+/// Events that arrived and that the drone's code has not received.
 std::int64_t queued(const hive::Status& status)
 {
     std::int64_t events = 0;
@@ -99,8 +99,8 @@ void RecordDrone::apply()
     say();
 }
 
-/// Whoever starts the drone says where it may write: in the folder of the file that it is started with, or else in the
-/// one that it is started in. Whoever sets a file later, perhaps on another machine, cannot reach any other.
+/// The start decides where the drone may write: in the folder of its first file, or else in the working directory. A
+/// later `set` of a file, perhaps from another machine, cannot reach any other folder.
 void RecordDrone::choose_folder()
 {
     const fs::path file(file_);
@@ -119,8 +119,7 @@ std::string RecordDrone::below_folder(const std::string& file) const
     return below.string();
 }
 
-/// What the drone wrote before a crash is all that there is of it: it goes on in another file, whatever `overwrite`
-/// says.
+/// The file from before a crash must not be lost: the drone continues in another file, even with `overwrite`.
 void RecordDrone::spare_what_was_recorded()
 {
     if (std::error_code none; !fs::exists(folder_ / file_, none))
@@ -144,7 +143,8 @@ std::unique_ptr<hive::recording::Writer> RecordDrone::writer_of(const std::strin
     }
 }
 
-/// The new file first: if it cannot be, the old one goes on. That one is not ended yet: the set may still be aborted.
+/// Opens the new file first: if that fails, the old one continues. The old one is not ended yet, because the set may
+/// still be aborted.
 void RecordDrone::open(const Opened& wanted)
 {
     part();
@@ -157,8 +157,7 @@ void RecordDrone::open(const Opened& wanted)
     begin(wanted.around ? "" : file_, std::move(fresh));
 }
 
-/// The set of another file was aborted: the former recording goes on, and nothing is left of the new one, which has no
-/// event yet.
+/// A set of another file was aborted: continues the former recording, and removes the new one, which has no event yet.
 void RecordDrone::put_back()
 {
     if (std::error_code ignored; writer_)
@@ -206,7 +205,7 @@ void RecordDrone::end(const std::string& text)
     say();
 }
 
-/// A source that begins once more, or another one, is recorded too, and spoils nothing of what is complete.
+/// A restarted or another source is recorded into a new file, so that a complete one stays unchanged.
 void RecordDrone::go_on()
 {
     const auto next = next_free::after(folder_, writes_);
@@ -298,7 +297,7 @@ std::chrono::microseconds RecordDrone::look()
     return 200ms;
 }
 
-/// What each connection has lost at this end since the last look.
+/// Adds the losses of each connection at this end since the last check.
 void RecordDrone::count_dropped()
 {
     for (const auto& input : drone_.status().inputs) {

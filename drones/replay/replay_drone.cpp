@@ -1,4 +1,4 @@
-// Sends one event at a time, when it is due and has been asked for.
+// Sends one event at a time, when it is due and requested.
 #include "replay_drone.hpp"
 
 #include <hive/event_text.hpp>
@@ -101,7 +101,7 @@ void ReplayDrone::apply()
         drone_.condition("no file: set one, file=PATH");
 }
 
-/// If the new one cannot be opened, the old one goes on.
+/// If the new one cannot be opened, the old one continues.
 void ReplayDrone::open(const Opened& wanted)
 {
     std::unique_ptr<Playback> fresh;
@@ -150,8 +150,8 @@ bool ReplayDrone::anybody() const
     return std::ranges::any_of(outputs_, [](const Declared& declared) { return declared.output.received(); });
 }
 
-/// Watchers of headers ask for nothing, so on demand what has no body is theirs at the pace of the recording, unless
-/// there were receivers of bodies before, which may come back.
+/// Receivers of headers request nothing. So if only they are connected, events are sent on demand with recorded timing,
+/// unless there were receivers of bodies before, which may reconnect.
 ReplayDrone::Step ReplayDrone::next_step()
 {
     if (pace_ == "real")
@@ -174,7 +174,7 @@ std::chrono::microseconds ReplayDrone::step()
         return at_end();
     if (!event_ && !prepare())
         return std::chrono::microseconds(loop_ ? 10'000
-                                               : 0);  // where nothing but damage comes, that is no reason to spin
+                                               : 0);  // a loop with nothing but damaged events must not spin the core
     const bool wanted = output().wanted();
     const auto step = next_step();
     const bool waits = step == Step::none;
@@ -189,7 +189,7 @@ std::chrono::microseconds ReplayDrone::step()
     }
     if (wanted && event_->identity.lossless && (!output().asked() || overtakes()))
         return 1s;
-    event_->identity.lossless = event_->identity.lossless && wanted;  // nobody waits for what nobody receives
+    event_->identity.lossless = event_->identity.lossless && wanted;  // without receivers, nothing is lossless
     send();
     return 0s;
 }
@@ -206,8 +206,8 @@ try {
     event_ = hive::event_from_text(playback_->reader().text(*playback_->current()));
     auto& identity = event_->identity;
     identity.lossless = identity.lossless || pace_ == "demand";
-    identity.shares.clear();  // what was shared work then is not shared now
-    // Each round is as if the sources had been started again, so that drones that keep state take it.
+    identity.shares.clear();  // the recorded shares do not apply to a replay
+    // Each round has a new epoch, as if the sources had been restarted, so that stateful drones accept it.
     identity.epoch = std::min(identity.epoch + rounds_before_ + playback_->rounds(), hive::max_json_integer);
     return true;
 } catch (const std::exception& error) {
@@ -222,7 +222,7 @@ void ReplayDrone::take_next()
         timeline_.restart(pause_us);
 }
 
-/// The body is read only if somebody receives it.
+/// The body is read only if it has receivers.
 void ReplayDrone::send()
 {
     const auto record = *playback_->current();

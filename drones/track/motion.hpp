@@ -7,8 +7,8 @@ namespace track {
 /// problems" (1960), for a state of place and speed that white acceleration disturbs.
 class Motion {
 public:
-    /// @param place_deviation, speed_deviation  how far off the truth the first place and a speed of 0 may be (standard
-    /// deviations)
+    /// @param place_deviation, speed_deviation  standard deviations of the first place and of a
+    ///        speed of 0
     Motion(double place, double place_deviation, double speed_deviation)
         : place_(place),
           variance_(place_deviation * place_deviation),

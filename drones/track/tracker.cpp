@@ -1,5 +1,4 @@
-// Predicts where every track should be, pairs tracks with boxes in three rounds, corrects what was paired, ends and
-// begins the others.
+// Predicts every track, pairs tracks with boxes in three rounds, corrects pairs, and ends and starts the others.
 #include "tracker.hpp"
 
 #include "assignment.hpp"
@@ -14,19 +13,19 @@ namespace {
 constexpr double place_noise = 0.1, first_speed = 2;
 /// A size follows the measured ones within about this time, s.
 constexpr double size_settles = 0.15;
-/// So many times `forget` tracks may share one box; then it is taken for one thing that was followed twice.
+/// Multiple of `forget` for which tracks may share one box; then they are treated as one object.
 constexpr int share_patience = 4;
-/// A box that comes so near to the border of the image may be cut off there, px.
+/// A box within this distance of the border of the image may be cut off there, px.
 constexpr double at_border = 2;
 /// Images without a box after which a track counts as lost.
 constexpr int lost = 3;
-/// What leaving a track and a box alone costs; a pair costs less.
+/// The cost of leaving a track and a box unpaired; a pair must cost less.
 constexpr double alone = 1;
-/// Looks follow the seen ones by so much with each box, after the first ones.
+/// The share of each new observation in the appearance, after the first ones.
 constexpr double look_settles = 0.1;
-/// Looks that differ more are those of something else; looks that differ less may be those of who was lost.
+/// Appearances with a larger difference belong to different objects; with a smaller one, a lost track may match.
 constexpr double stranger = 0.8, same_look = 0.3;
-/// Who was lost may come back so many times the gate away from where it is expected.
+/// A lost track may reappear within this multiple of the gate from its expected position.
 constexpr double return_reach = 2;
 /// A weak box must overlap the expected one so much, and something in the place of another thing too.
 constexpr double weak_overlap = 0.3, same_place = 0.5;
@@ -135,8 +134,8 @@ void Tracker::predict(double seconds)
     last_ = seconds;
 }
 
-/// Which boxes belong to tracks that were there before? Strong boxes come first, then the weak ones, as in Zhang and
-/// others, "ByteTrack" (2022); then who was lost may have come back further away, if it looks the same.
+/// Pairs boxes with existing tracks: first the strong boxes, then the weak ones, as in Zhang and others, "ByteTrack"
+/// (2022); then lost tracks with boxes of the same appearance further away.
 std::vector<bool> Tracker::match(std::span<const Box> boxes)
 {
     std::vector<bool> taken = share(boxes);

@@ -1,4 +1,4 @@
-// Checks who asks, then the path.
+// Checks the client, then the path.
 #include "answer.hpp"
 
 #include "page.hpp"

@@ -1,4 +1,4 @@
-// Answers HTTP requests with the page and its parts, or says why not. Knows nothing of sockets or files.
+// Answers HTTP requests with the page and its parts, or with the reason for a refusal. Uses no sockets or files.
 #pragma once
 
 #include "exchange.hpp"
@@ -9,7 +9,7 @@ namespace view {
 
 using hive::http::Address, hive::http::Pass, hive::http::Request;
 
-/// How many look, and how many may.
+/// Number of viewers, and its limit.
 struct Browsers {
     std::size_t now = 0, most = 0;
 };

@@ -1,4 +1,4 @@
-// Takes what was asked for, both kinds from the same image, and works on it outside of the lock.
+// Encodes the requested kinds, both from the same image, without the lock.
 #include "encoder.hpp"
 
 #include <csignal>

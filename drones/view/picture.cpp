@@ -1,4 +1,4 @@
-// Does each piece of work when somebody first needs it, and never again.
+// Does each step on first use, and only once.
 #include "picture.hpp"
 
 #include <hive/vision/image.hpp>
@@ -17,7 +17,7 @@ Jpeg encode(const cv::Mat& picture, int quality)
 
 }  // namespace
 
-/// What came, decoded at most once, also when that fails.
+/// The received image, decoded at most once, even if that fails.
 class Picture::Source {
 public:
     explicit Source(Content content) : jpeg(std::move(content.jpeg)), decode_(std::move(content.pixels)) {}
@@ -88,7 +88,7 @@ const Jpeg& Picture::plain_jpeg() const
     return plain_;
 }
 
-/// What damaged images do to a viewer: it says so in their place.
+/// Viewers get a notice instead of a damaged image.
 cv::Mat Picture::make_shown() const
 try {
     const cv::Mat& pixels = source_->pixels();

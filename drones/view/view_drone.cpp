@@ -70,7 +70,8 @@ void ViewDrone::apply()
     drone_.condition(problem());
 }
 
-/// The old server ends first: both may want the same port. If the new one cannot listen, the old parameters come again.
+/// The old server ends first: both may use the same port. If the new one cannot listen, the old parameters are
+/// restored.
 void ViewDrone::serve()
 {
     const std::string& token = token_.empty() ? drawn_token_ : token_;
@@ -102,7 +103,7 @@ std::string ViewDrone::problem() const
 void ViewDrone::take(const hive::Event& event)
 {
     const cv::Size size =
-        hive::vision::size_of(event.body, event.type, {}, event.header);  // refuses what is no image
+        hive::vision::size_of(event.body, event.type, {}, event.header);  // throws for anything that is not an image
     exchange_.put(std::make_shared<Picture>(origin_of(event, size, rate_.count(Clock::now())), content_of(event),
                                             Picture::Look{overlay_, quality_}));
     show();
@@ -136,7 +137,7 @@ void ViewDrone::show()
         server_->wake();
     if (!windows_ && wants_window())
         windows_ = std::make_unique<Window>(
-            exchange_, [] { ::kill(::getpid(), SIGTERM); });  // as if the drone had been told to stop
+            exchange_, [] { ::kill(::getpid(), SIGTERM); });  // as if the drone had been stopped by a command
     else if (windows_)
         windows_->wake();
 }

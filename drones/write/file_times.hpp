@@ -10,7 +10,7 @@ namespace writing {
 
 /// The capture time of an image by its event.
 struct Moment {
-    std::string clock;         ///< whose time that is: a file, a camera since its start; another one begins anew
+    std::string clock;         ///< the clock: a file, or a camera since its start; another one restarts
     std::int64_t time_us = 0;  ///< on that clock
     double fps = 0;            ///< of the source; 0: unknown
 };
@@ -18,8 +18,8 @@ struct Moment {
 /// No clock of its own.
 class FileTimes {
 public:
-    /// The time of the next image since the first. Where the clock is another one, or has gone back or jumped by more
-    /// than a minute, the image follows the last one at the usual distance.
+    /// The time of the next image since the first. If the clock changes, goes back or jumps by more than a minute, the
+    /// image follows the last one at the usual interval.
     std::chrono::microseconds next(const Moment& moment);
 
 private:

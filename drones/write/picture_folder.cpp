@@ -1,4 +1,5 @@
-// Writes each image beside its name first, so that nobody sees half of one; and chooses between folder and video.
+// Writes each image to a temporary file first, so that no reader sees a partial one; and chooses between folder and
+// video.
 #include "picture_folder.hpp"
 
 #include "regular_file.hpp"
@@ -54,7 +55,7 @@ bool is_numbered(const fs::path& name)
            && (ending == ".jpg" || ending == ".png");
 }
 
-/// Images of before would mix with those that come, of which there may be fewer. Whatever else lies there stays.
+/// Removes earlier images, which would mix with the new ones. Other files stay.
 void remove_numbered(const fs::path& folder)
 {
     std::vector<fs::path> old;

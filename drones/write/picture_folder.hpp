@@ -7,8 +7,8 @@
 
 namespace writing {
 
-/// Files 00000001.jpg and so on; JPEG and PNG files that come are written as they are, images of 16 bits and what
-/// came as plain pixels with quality 100 as PNG, the rest as JPEG. `times.csv` says when each was taken.
+/// Files 00000001.jpg and so on. JPEG and PNG files are written unchanged; images of 16 bits, and raw ones at quality
+/// 100, as PNG; the rest as JPEG. `times.csv` has the time of each.
 class PictureFolder final : public Sink {
 public:
     explicit PictureFolder(Settings settings) : settings_(std::move(settings)) {}

@@ -38,22 +38,21 @@ class Sink {
 public:
     virtual ~Sink() = default;
     /// @param time  since the first image; larger each time
-    /// @throws std::runtime_error  saying what the system or the encoder refused; nothing more can be written then
+    /// @throws std::runtime_error  with the error of the system or the encoder; then nothing more can be written
     virtual void add(const Picture& picture, std::chrono::microseconds time) = 0;
-    /// Completes it. @throws std::runtime_error  what came before is there all the same
+    /// Completes the file. @throws std::runtime_error  earlier images are still in it
     virtual void close() = 0;
     /// Can an image of this kind be written without its pixels?
     [[nodiscard]] virtual bool takes_encoded(const std::string& ending) const = 0;
-    /// After a failure, what can be read: images may have been lost with what was not yet written. Nothing if each
-    /// was written at once.
+    /// After a failure, the readable content: buffered images may be lost. Nothing if each was written at once.
     [[nodiscard]] virtual std::optional<Held> held() const { return std::nullopt; }
-    /// By what the images are encoded: "libx264"; empty before the first.
+    /// The encoder: "libx264"; empty before the first image.
     [[nodiscard]] virtual std::string encoder() const = 0;
 };
 
 /// A video for .mp4, .m4v, .mov, .mkv and .avi, otherwise a folder: a path that ends in `/`, or is a folder already.
-/// Nothing is made before the first image comes.
-/// @throws std::runtime_error  the ending means nothing, there is such a file already, or no folder to put it into
+/// Creates nothing before the first image.
+/// @throws std::runtime_error  unknown extension, the file exists, or its folder does not
 std::unique_ptr<Sink> open_sink(const Settings& settings);
 
 }  // namespace writing

@@ -66,7 +66,7 @@ bool VideoEncoder::open(const AVCodec& codec, const AVOutputFormat& container, c
         context->flags |= AV_CODEC_FLAG_GLOBAL_HEADER;
     if (codec.id == AV_CODEC_ID_H264) {
         if (std::max(context->width, context->height) > 16'384)
-            return false;  // libx264 takes no more, and would leak a little when it says so
+            return false;  // beyond the limit of libx264, which would leak memory when it refuses
         av_opt_set(context->priv_data, "preset", "veryfast", 0);
         av_opt_set(context->priv_data, "tune", "zerolatency", 0);
         av_opt_set(context->priv_data, "crf", rate_factor(settings.quality).c_str(), 0);

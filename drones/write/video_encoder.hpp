@@ -1,4 +1,4 @@
-// Images to packets, by the first encoder of FFmpeg that is there and fits the file.
+// Encodes images with the first available encoder of FFmpeg that the file supports.
 #pragma once
 
 #include <ffmpeg.hpp>
@@ -13,21 +13,21 @@ namespace writing {
 struct EncoderSettings {
     cv::Size size;
     AVRational time_base{1, 60'000};
-    AVRational frame_rate{30, 1};  ///< usual, for whoever wants to know in advance
+    AVRational frame_rate{30, 1};  ///< the usual rate, for encoders that need one
     int quality = 80;              ///< 1 to 100
 };
 
-/// For one thread. Each image leaves as soon as it has come, so that a file that is cut short has all of them.
+/// For one thread. Encodes without delay, so that a truncated file has all images.
 class VideoEncoder {
 public:
-    /// @param container  what the packets are for
+    /// @param container  the destination of the packets
     /// @throws std::runtime_error  no encoder fits
     VideoEncoder(const AVOutputFormat& container, const EncoderSettings& settings);
 
     /// @param picture  BGR or grey, 8 bit, of any size: it is scaled
-    /// @param key      it shall need no other image
+    /// @param key      encode it as a key frame
     void encode(const cv::Mat& picture, std::int64_t time, bool key, const std::function<void(AVPacket&)>& take);
-    /// What is still inside.
+    /// Flushes the encoder.
     void finish(const std::function<void(AVPacket&)>& take);
 
     [[nodiscard]] const AVCodecContext& context() const { return *context_; }

@@ -25,7 +25,7 @@ bool is_mp4(const std::string& path)
     return ending == ".mp4" || ending == ".m4v" || ending == ".mov";
 }
 
-/// Whatever is in the way of FFmpeg's own guess: the path may have a colon, or `%d`.
+/// Bypasses FFmpeg's own parsing of the path, which may have a colon or `%d`.
 std::string url_of(const std::string& path) { return "file:" + fs::absolute(path).string(); }
 
 void open_to_write(AVIOContext*& opened, const std::string& path)
@@ -43,7 +43,7 @@ cv::Mat eight_bits(const cv::Mat& picture)
     return result;
 }
 
-/// Copies the packets of a file of fragments into one that says at its beginning, or end, where everything is.
+/// Copies the packets of a fragmented file into one with an index.
 class Remuxing {
 public:
     Remuxing(const std::string& from, const std::string& to)
@@ -84,7 +84,7 @@ private:
     AVFormatContext *in_ = nullptr, *out_ = nullptr;
 };
 
-/// Where that fails, as on a full disk, the fragments stay: they are the same video.
+/// If that fails, for example on a full disk, the fragments stay: they are the same video.
 void make_whole(const std::string& path)
 {
     const std::string part = path + ".whole";
@@ -201,7 +201,7 @@ std::optional<Held> VideoFile::held() const
     return held;
 }
 
-/// What was written stays as it is.
+/// Leaves the written part unchanged.
 void VideoFile::abandon()
 {
     if (file_ && file_->pb)

@@ -1,4 +1,4 @@
-// A video file in which each image keeps its time, and which can be played whenever it is cut off.
+// A video file in which each image keeps its time, and which is playable when truncated.
 #pragma once
 
 #include "sink.hpp"
@@ -8,8 +8,8 @@
 
 namespace writing {
 
-/// While it is written an .mp4 consists of fragments of about a second, each complete in itself; when it is closed it
-/// becomes one whole. An .avi has a constant rate by its nature: times are rounded to that.
+/// While it is being written, an .mp4 consists of complete fragments of about a second; on closing it is rewritten
+/// without them. An .avi has a constant rate, to which times are rounded.
 class VideoFile final : public Sink {
 public:
     explicit VideoFile(Settings settings);
@@ -31,7 +31,7 @@ private:
 
     Settings settings_;
     AVFormatContext* file_ = nullptr;
-    bool begun_ = false;  ///< with a header and an encoder: only what has begun can be completed
+    bool begun_ = false;  ///< with a header and an encoder: only then it can be completed
     AVStream* stream_ = nullptr;
     std::optional<VideoEncoder> encoder_;
     std::optional<std::int64_t> last_, last_key_;  ///< times of images, in the time base of the encoder

@@ -1,4 +1,4 @@
-// Writes one file at a time. When the disk fails the file ends, but never the drone.
+// Writes one file at a time. A failure of the disk ends the file, never the drone.
 #include "write_drone.hpp"
 
 #include <ffmpeg.hpp>
@@ -44,8 +44,8 @@ WriteDrone::WriteDrone(hive::Drone& drone)
     declare();
     drone_.on_start([] {
         cv::setNumThreads(1);            // one drone, one core
-        std::signal(SIGXFSZ, SIG_IGN);   // a file over the limit of the process is an error like others
-        av_log_set_level(AV_LOG_FATAL);  // what matters is thrown
+        std::signal(SIGXFSZ, SIG_IGN);   // exceeding the file size limit is an ordinary error
+        av_log_set_level(AV_LOG_FATAL);  // relevant errors are exceptions
     });
     drone_.on_change([this] { apply(); });
     drone_.on_event(
@@ -93,8 +93,7 @@ void WriteDrone::apply()
     say();
 }
 
-/// What the drone wrote before a crash is all that there is of it: it goes on in another file, whatever `overwrite`
-/// says.
+/// The file from before a crash must not be lost: the drone continues in another file, even with `overwrite`.
 void WriteDrone::spare_what_was_written()
 {
     namespace fs = std::filesystem;
@@ -107,8 +106,8 @@ void WriteDrone::spare_what_was_written()
                hive::LogLevel::warning);
 }
 
-/// The new file first: if it cannot be, the old one goes on. A set that is put back, because another drone refuses it,
-/// comes before the next image and finds the old one as it was; of the new one nothing is there yet.
+/// Opens the new file first: if that fails, the old one continues. A set that is aborted because another drone refuses
+/// it is reverted before the next image: the old file is unchanged, and the new one is still empty.
 void WriteDrone::open()
 {
     if (former_ && former_->path == file_) {
@@ -138,7 +137,7 @@ void WriteDrone::take(const hive::Event& event)
     end_former();
     if (!present_.sink) {
         static_cast<void>(
-            hive::vision::view(event, {.sixteen_bits = true}));  // what is no image is told all the same
+            hive::vision::view(event, {.sixteen_bits = true}));  // still throws for anything that is not an image
         present_.later += present_.path.empty() ? 0 : 1;
         return say();
     }
@@ -147,7 +146,7 @@ void WriteDrone::take(const hive::Event& event)
         close(present_, "count reached");
 }
 
-/// An image that cannot be read is an exception of its own, and the next one is written; but not where the disk fails.
+/// An unreadable image is an exception, and the next one is written; after a failure of the disk it is not.
 void WriteDrone::write(const hive::Event& event)
 {
     Picture picture{.pixels = {}, .sequence = event.identity.sequence, .fps = fps_in(event.header)};
@@ -169,9 +168,9 @@ void WriteDrone::write(const hive::Event& event)
     present_.last = time;
 }
 
-/// What an image from a file says of its time there; of others, when they were captured. A source on demand captures
-/// as fast as the swarm works, which says nothing. The epoch tells one file from the next, and each round of one; the
-/// name would not do, for in a folder every image has its own.
+/// The time of an image in its file, or of its capture. Capture times of a source on demand depend on the speed of the
+/// swarm, so they are not used. The epoch distinguishes files, and rounds of one; the name does not, because in a
+/// folder every image has its own.
 Moment WriteDrone::moment_of(const hive::Event& event) const
 {
     const auto& identity = event.identity;

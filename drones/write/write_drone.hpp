@@ -12,10 +12,10 @@
 
 namespace writing {
 
-/// One that is being written, or has been.
+/// A file that is or was being written.
 struct File {
     std::string path;            ///< empty: none
-    std::unique_ptr<Sink> sink;  ///< gone when the file has ended
+    std::unique_ptr<Sink> sink;  ///< null when the file has ended
     FileTimes times = {};
     std::int64_t written = 0, later = 0;  ///< images
     std::chrono::microseconds last{0};    ///< the time of the last one
@@ -43,15 +43,15 @@ private:
 
     hive::Drone& drone_;
     hive::Output files_;
-    bool remembered_;  ///< is `file` what the drone was told before a crash?
+    bool remembered_;  ///< was `file` restored after a crash?
     std::string file_;
     bool overwrite_ = false;
     int quality_ = 80, count_ = 0;
     double fps_ = 0;
 
     File present_;
-    /// What was being written when `file` was set, until that holds: the drone's code is not called before it does, but
-    /// to put the parameters back.
+    /// The former file, until a set of `file` is committed: before that, the drone's code is called only to revert the
+    /// parameters.
     std::optional<File> former_;
 };
 
