@@ -1,4 +1,4 @@
-// Handlers of the signals that end a process that went wrong, on a stack of their own: a fiber may have used up its.
+// Handles fatal signals on their own stack: a fiber may have exhausted its stack.
 #include "crash.hpp"
 
 #include <array>
@@ -14,7 +14,7 @@ std::array<char, 100> text;
 
 void die(int signal)
 {
-    // Nothing can be done about what cannot be written now.
+    // A failed write cannot be handled here.
     [[maybe_unused]] const auto written = ::write(STDERR_FILENO, text.data(), std::strlen(text.data()));
     ::raise(signal);
 }

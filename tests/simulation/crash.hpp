@@ -1,11 +1,11 @@
-// Which seed was played when the process dies.
+// Prints the current seed when the process crashes.
 #pragma once
 
 #include <cstdint>
 
 namespace hive::simulation {
 
-/// From now on a crash or a terminate says how to play this seed again.
+/// From now on a crash or a terminate prints how to replay this seed.
 void say_in_a_crash(std::uint64_t seed);
 
 }  // namespace hive::simulation

@@ -1,4 +1,4 @@
-// How long the calls of an application take.
+// Checks the duration of an application's calls.
 #pragma once
 
 #include "world.hpp"
@@ -7,7 +7,7 @@
 
 namespace hive::simulation {
 
-/// deadline: no call takes longer than the application's timeout, and a margin for what it does around that.
+/// deadline: no call takes longer than the application's timeout, plus a margin for its own work.
 class Deadline {
 public:
     static constexpr auto margin = std::chrono::milliseconds(250);

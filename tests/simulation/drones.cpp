@@ -1,4 +1,4 @@
-// Code of users, whose time passes in the world.
+// Code of users, running in simulated time.
 #include "drones.hpp"
 #include "world.hpp"
 

@@ -1,4 +1,4 @@
-// The drones of a simulated round: what the ticker and the sleeper are on real ground.
+// The drones of a simulated round, as the ticker and the sleeper on real ground.
 #pragma once
 
 #include <hive/drone.hpp>
@@ -14,7 +14,7 @@ using OnCapture = std::function<void(std::int64_t captured_us, std::int64_t sequ
 void source(Drone& drone);
 /// @param on_capture  called with each event before it is emitted
 void source(Drone& drone, OnCapture on_capture);
-/// Takes its time over each event, throws or refuses when it is told to.
+/// Works on each event for a while, throws or refuses on request.
 void worker(Drone& drone);
 
 }  // namespace hive::simulation

@@ -1,4 +1,4 @@
-// Cutting a stream into packets, and changing one.
+// Splits a stream into packets, and changes one.
 #include "lies.hpp"
 
 #include <hive/json.hpp>
@@ -51,7 +51,7 @@ Json text_beside(const std::string& truth)
     return one_of(std::array<Json, 6>{"", "source", "a1", "source.tick", truth + "x", std::string(300, 'x')});
 }
 
-/// Mostly one that may be true.
+/// Usually a plausible value.
 Json lie_about(const Json& truth)
 {
     if (world().chance(10))
@@ -63,7 +63,7 @@ Json lie_about(const Json& truth)
     return text_beside(truth.is_string() ? truth.get<std::string>() : "");
 }
 
-/// What is shared by the connections of a process.
+/// Shared by the connections of a process.
 struct Liar {
     int before;
     std::function<void(const std::string&)> told;
@@ -87,7 +87,7 @@ struct Liar {
     }
 };
 
-/// The packets of one connection, as soon as they are whole.
+/// The complete packets of one connection.
 class Packets {
 public:
     explicit Packets(std::shared_ptr<Liar> liar) : liar_(std::move(liar)) {}

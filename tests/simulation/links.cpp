@@ -1,4 +1,4 @@
-// Reading the ends of links out of log lines.
+// Parses the ends of links from log lines.
 #include "links.hpp"
 
 #include <algorithm>
@@ -10,7 +10,7 @@ using namespace std::chrono_literals;
 
 namespace {
 
-/// A peer that says nothing for 2 s is dead, and has to say something every 500 ms.
+/// A peer that sends nothing for 2 s is dead, and must send something every 500 ms.
 constexpr auto nearly_dead = 1400ms;
 
 /// "closed link to a1 at pid 1004: ..." and "lost receiver a1 at pid 1004: ..."; one that was never open has no name.
@@ -23,7 +23,7 @@ std::optional<std::string> peer_lost(const std::string& line)
     return std::nullopt;
 }
 
-/// A peer of this round has broken a rule, as the drone sees it.
+/// The drone reports that a peer of this round has broken a rule.
 bool blames(const std::string& line) { return line.starts_with("closed pid "); }
 
 }  // namespace
@@ -40,11 +40,11 @@ void Links::frozen(const std::string& name, Time now)
 {
     Freeze& freeze = freezes_[name];
     if (now - freeze.until > 500ms)
-        freeze.since = now;  // else it has had no time to say anything in between
+        freeze.since = now;  // else it had no time to send anything in between
     faults_.push_back({name, {}, freeze.since + nearly_dead, Time::max()});
 }
 
-/// It notices only now what happened while it was frozen.
+/// It detects only now what happened while it was frozen.
 void Links::thawed(const std::string& name, Time now)
 {
     Freeze& freeze = freezes_[name];

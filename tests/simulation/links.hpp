@@ -1,4 +1,4 @@
-// Which links between the drones of a round may have ended, and which have.
+// Tracks which links between the drones of a round may end, and which have ended.
 #pragma once
 
 #include "world.hpp"
@@ -8,16 +8,16 @@
 
 namespace hive::simulation {
 
-/// links: a link ends only by a fault at one of its ends. Faults are told as they happen, and what drones log says
-/// which links have ended.
+/// links: a link ends only by a fault at one of its ends. The caller reports faults as they happen, and the log lines
+/// of drones report ended links.
 class Links {
 public:
-    /// The peers that stay for the whole round, apart from what is done to them.
+    /// The peers that stay for the whole round, apart from faults.
     explicit Links(std::set<std::string> names) : names_(std::move(names)) {}
 
     /// From now on the peer may lose its links.
     void broken(const std::string& name, Time now) { faults_.push_back({name, {}, now, Time::max()}); }
-    /// It is well; a while from now it has noticed what has happened.
+    /// It is healthy; soon it will have detected what has happened.
     void mended(const std::string& name, Time now);
     void cut(const std::string& one, const std::string& other, Time now)
     {
@@ -32,7 +32,7 @@ public:
         faults_.push_back({one, other, now, until + notice});
     }
 
-    /// It may lose its links when it says nothing for too long.
+    /// It may lose its links if it sends nothing for too long.
     void frozen(const std::string& name, Time now);
     void thawed(const std::string& name, Time now);
 

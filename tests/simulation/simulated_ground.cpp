@@ -1,4 +1,4 @@
-// The life of simulated drones, what they say of themselves, and who collects.
+// Runs simulated drones, reads their statuses, and collects.
 #include "drones.hpp"
 #include "simulated_ground.hpp"
 
@@ -80,7 +80,7 @@ SimulatedGround::SimulatedGround(World& world, const mixtures::Plan& plan, const
     impatient_.emplace(application_named("impatient", short_timeout));
 }
 
-/// Of a round that failed the drones still run, and they use this.
+/// After a failed round the drones still run and use this.
 SimulatedGround::~SimulatedGround()
 {
     for (auto* const guest : guests_)
@@ -111,8 +111,8 @@ int SimulatedGround::machine_of(const std::string& drone) const
     return found == machines_.end() ? 0 : found->second;
 }
 
-/// A peer's clock is read in the middle of a question and its answer. Who is frozen or not heard meanwhile makes that
-/// wrong by half of the time.
+/// A peer's clock is assumed to be read halfway between query and answer. A peer that is frozen or silenced meanwhile
+/// causes an error of half of the time.
 std::optional<std::chrono::microseconds> SimulatedGround::age_error() const
 {
     if (has(mixtures::fault::clock_step))
@@ -264,7 +264,7 @@ void SimulatedGround::take(const Event& event, bool failed)
     trace_.line("collector", std::to_string(event.identity.sequence) + ": " + to_text(collected_.came.back()));
 }
 
-/// ages: an event is as old as it says, or does not know.
+/// ages: an event has its correct age, or none.
 void SimulatedGround::check_age(const Event& event)
 {
     const auto error = age_error();
@@ -278,7 +278,7 @@ void SimulatedGround::check_age(const Event& event)
                               + std::to_string(std::chrono::floor<std::chrono::microseconds>(age).count()) + " us old");
 }
 
-/// What is collected.
+/// Collects results and exceptions.
 std::vector<Endpoint> SimulatedGround::ends() const
 {
     std::vector<Endpoint> ends;

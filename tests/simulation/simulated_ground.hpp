@@ -1,5 +1,5 @@
-// A round in the simulated world: its drones are threads with stacks of their own, its orders the calls of an
-// application, its status is read and not asked for.
+// A round in the simulated world: its drones are threads with stacks of their own, its orders are calls of an
+// application, and its status is read directly.
 #pragma once
 
 #include "deadline.hpp"
@@ -18,7 +18,7 @@ namespace hive::simulation {
 
 using mixtures::Outcome;
 
-/// Prints what happens, when it is wanted.
+/// Prints events if requested.
 class Trace {
 public:
     explicit Trace(bool wanted) : wanted_(wanted) {}
@@ -137,7 +137,7 @@ private:
     std::vector<std::string> wrong_ends_;
     int disturbances_ = 0;  ///< faults so far, and orders that are not for the source
     int liars_ = 0, watchers_ = 0;
-    std::vector<Process*> guests_;     ///< who is not in the round: liars, whoever listens to them, and watchers
+    std::vector<Process*> guests_;     ///< processes outside of the round: liars, their receivers, and watchers
     std::vector<std::string> fallen_;  ///< of them
     std::int64_t fed_ = 1;
     Collected collected_;

@@ -9,8 +9,8 @@ namespace hive::simulation {
 
 using namespace std::chrono_literals;
 
-/// Receives from a drone until it dies, in a way that gives no other receiver less: a source waits for no
-/// notifications, and exceptions wait for nobody.
+/// Receives from a drone until it dies, without effect on other receivers: a source does not wait for receivers of
+/// notifications, and exceptions wait for no receiver.
 void SimulatedGround::receive_as_liar(const std::string& name, const std::string& from)
 try {
     const bool exceptions = world_.chance(50);

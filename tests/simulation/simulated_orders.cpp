@@ -1,4 +1,4 @@
-// What is done to simulated drones.
+// Executes orders on simulated drones.
 #include "network.hpp"
 #include "simulated_ground.hpp"
 
@@ -35,7 +35,7 @@ void SimulatedGround::connect(const Edge& edge)
     }
 }
 
-/// A verb that reaches a drone through another one may wait as long as the link between the two is black.
+/// A verb that reaches a drone through another one may wait while the link between the two is silenced.
 void SimulatedGround::perform(const Step& step)
 {
     trace_.line("step", to_text(step));
@@ -72,7 +72,7 @@ void SimulatedGround::perform_now(const Step& step)
     }
 }
 
-/// A sender that was started again may not know the receiver.
+/// A restarted sender may not know the receiver.
 void SimulatedGround::forget(const Step& step)
 try {
     calls_.keep("disconnect", [&] { application_->disconnect({step.sender, ""}, {step.drone, ""}); });
@@ -182,7 +182,7 @@ void SimulatedGround::set_clock_sometimes()
     world_.set_time_of_day(world_.time_of_day() + step);
 }
 
-/// Long enough to be taken for dead, or not. One at a time.
+/// Long enough to be declared dead, or not. One at a time.
 void SimulatedGround::silence_sometimes()
 {
     if (!has(mixtures::fault::silence) || !all_hear() || !world_.chance(25))

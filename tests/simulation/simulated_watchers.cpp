@@ -1,5 +1,5 @@
-// Applications that begin to watch the results right after the source was given more to do: whoever is told the end
-// then is told that of all which the source may make.
+// Applications that start to collect right after the source got more work: if one gets an end, it must be the end after
+// all that work.
 #include "simulated_ground.hpp"
 
 #include <algorithm>
@@ -17,7 +17,7 @@ bool SimulatedGround::all_answer()
     return all_hear() && all.size() == topology_.drones().size() && std::ranges::all_of(all, connected);
 }
 
-/// One at a time. It takes notifications, so that nobody waits for it.
+/// One at a time. It receives notifications, so that no drone waits for it.
 void SimulatedGround::watch_sometimes()
 {
     const auto dead = [](const Process* guest) { return guest->dead; };
@@ -27,7 +27,7 @@ void SimulatedGround::watch_sometimes()
     guests_.push_back(&world_.spawn(name, [this, name] { watch_until_the_end(name); }));
 }
 
-/// A fault in between may be answered for after 1 s, with what was known before.
+/// After a fault in between, the old state may be returned after 1 s.
 void SimulatedGround::watch_until_the_end(const std::string& name)
 try {
     const auto before = disturbances_;

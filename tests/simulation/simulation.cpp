@@ -1,4 +1,4 @@
-// A world, its operator, and the directory where the drones meet.
+// A world, its operator, and the home of the drones.
 #include "crash.hpp"
 #include "simulated_ground.hpp"
 #include "simulation.hpp"
@@ -14,10 +14,10 @@ namespace {
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 
-/// Of the world: nothing that ends takes so long.
+/// Limit in simulated time: everything that ends is faster.
 constexpr auto longest = 20min;
 
-/// In memory; every process calls it by the same name, since the name travels.
+/// In memory; with a fixed name, because the name is sent over the network.
 class Folder {
 public:
     Folder()

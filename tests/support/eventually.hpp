@@ -1,4 +1,4 @@
-// Waiting for a state instead of for a time.
+// Waits for a state instead of a time.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@ namespace hive::test {
 using Milliseconds = std::chrono::milliseconds;
 using Clock = std::chrono::steady_clock;
 
-/// How much slower everything is under a sanitizer: multiply deadlines, skip what measures.
+/// How much slower everything is under a sanitizer: multiply deadlines by it, and skip measurements.
 constexpr bool sanitized()
 {
 #ifdef HIVE_SANITIZED
@@ -23,10 +23,10 @@ constexpr bool sanitized()
 /// A deadline that only guards against hanging: long enough for a slow machine, and longer under a sanitizer.
 constexpr Milliseconds patient(Milliseconds time) { return (sanitized() ? 6 : 3) * time; }
 
-/// A bound that is promised to users, and is measured: not stretched, but for a sanitizer.
+/// A bound that is promised to users and measured: extended only under a sanitizer.
 constexpr Milliseconds stated(Milliseconds time) { return sanitized() ? 6 * time : time; }
 
-/// Asks every few milliseconds until the condition is true, for at most this long; either answer may be right.
+/// Polls every few milliseconds until the condition is true, at most this long; both results may be valid.
 template <class Condition>
 bool happens_within(Milliseconds time, Condition condition)
 {
@@ -36,8 +36,8 @@ bool happens_within(Milliseconds time, Condition condition)
     return true;
 }
 
-/// Asks every few milliseconds until the condition is true. A false answer means that it hangs, not that the machine is
-/// busy: it takes a minute at least. A bound that is a promise is measured with stated().
+/// Polls every few milliseconds until the condition is true. False means a hang, not a busy machine: the timeout is at
+/// least a minute. Measure promised bounds with stated().
 template <class Condition>
 bool eventually(Condition condition, Milliseconds patience = Milliseconds(5000))
 {

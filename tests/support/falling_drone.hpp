@@ -1,4 +1,4 @@
-// A drone that has its name for a while, and ends before it answers anybody.
+// A drone that has its name for a while, and exits before it answers.
 #pragma once
 
 #include <filesystem>
@@ -6,7 +6,7 @@
 
 namespace hive::test {
 
-/// Writes the program hive-falls. It takes the lock of its name as a drone does, and is gone 0.3 s later, with code 7.
+/// Writes the program hive-falls. It takes the lock of its name as a drone does, and exits 0.3 s later with code 7.
 inline void write_falling_drone(const std::filesystem::path& folder)
 {
     std::filesystem::create_directories(folder);

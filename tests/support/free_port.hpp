@@ -1,4 +1,4 @@
-// A port of this machine that nobody listens at.
+// Finds a free port of this machine.
 #pragma once
 
 #include <netinet/in.h>
@@ -27,7 +27,7 @@ inline std::uint16_t port_if_free(int port)
     return known ? ntohs(address.sin_port) : std::uint16_t{0};
 }
 
-/// Another one each time, and not one that the kernel gives to whoever connects or asks for any, where it leaves some.
+/// A new one each time, outside of the kernel's ephemeral ports if there are others.
 inline std::uint16_t free_port()
 {
     constexpr int first = 20'000, of_each_process = 16;

@@ -1,4 +1,4 @@
-// Numbers from several measurements, and from the events that a collector hands out.
+// Statistics of repeated measurements and of collected events.
 #pragma once
 
 #include <swarm.hpp>
@@ -32,7 +32,7 @@ inline double median_ms(const Swarm& swarm, const std::vector<std::string>& word
     return median(std::move(took));
 }
 
-/// Events a second of something that gives `batch` events a period: exact, whatever the phase in which it is begun.
+/// Events per second of a source with `batch` events per period: exact for every phase.
 inline double rate(Collector& collector, int batch, int periods, Milliseconds patience = Milliseconds(5000))
 {
     const auto take = [&](int count) {
@@ -46,7 +46,7 @@ inline double rate(Collector& collector, int batch, int periods, Milliseconds pa
     return batch * periods / std::chrono::duration<double>(end - begin).count();
 }
 
-/// The load of the machine over the last minute, since others may work on it beside what is measured.
+/// The load of the machine over the last minute, since other work may disturb the measurement.
 inline std::string machine_load()
 {
     std::string one;
@@ -54,7 +54,7 @@ inline std::string machine_load()
     return one;
 }
 
-/// When the results of each drone came, by drone.
+/// Arrival times of results, by drone.
 using Arrivals = std::map<std::string, std::vector<Clock::time_point>>;
 
 /// Over a while.
@@ -67,7 +67,7 @@ inline Arrivals arrivals(Collector& collector, Milliseconds time)
     return result;
 }
 
-/// Events a second from when they came.
+/// Events per second from arrival times.
 inline double rate_of(const std::vector<Clock::time_point>& times)
 {
     if (times.size() < 3)

@@ -1,4 +1,4 @@
-// A server that takes connections at any address of this machine, and never says a word.
+// A server that accepts connections at any address of this machine, and never sends anything.
 #pragma once
 
 #include <netinet/in.h>

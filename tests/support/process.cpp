@@ -1,4 +1,4 @@
-// Fork, exec and a descriptor that says when the child has ended.
+// Fork, exec, and a descriptor that signals the child's exit.
 #include "process.hpp"
 
 #include <algorithm>
@@ -52,8 +52,8 @@ int open_log(const fs::path& file)
     return descriptor;
 }
 
-/// No signal comes to a child that still has the handlers of the test: there it would wait for ever for a lock that
-/// another thread of the test had.
+/// Blocks signals around a fork: a child that still has the handlers of the test could wait forever in one, for a lock
+/// that another thread of the test had.
 class SignalsBlocked {
 public:
     SignalsBlocked()
@@ -150,8 +150,7 @@ std::optional<int> Process::wait(Milliseconds patience)
         left = std::max(Milliseconds(0), std::chrono::duration_cast<Milliseconds>(end - Clock::now()));
     if (count <= 0)
         return std::nullopt;
-    // It has ended, but if it was killed while its search for leaks held it by ptrace, it is given to us a moment
-    // later.
+    // It has exited, but if it was killed while its leak check held it by ptrace, waitpid returns it a little later.
     int status = 0, reaped = 0;
     while ((reaped = ::waitpid(pid_, &status, 0)) < 0 && errno == EINTR) {
     }
@@ -184,7 +183,7 @@ std::size_t open_descriptors(pid_t pid)
 std::string text_of(const fs::path& file)
 {
     std::ostringstream text;
-    text << std::ifstream(file, std::ios::binary).rdbuf();  // in /proc a file may end with its process: no exception
+    text << std::ifstream(file, std::ios::binary).rdbuf();  // a file in /proc may vanish with its process: no exception
     return std::move(text).str();
 }
 

@@ -29,9 +29,9 @@ public:
 
     [[nodiscard]] pid_t pid() const noexcept { return pid_; }
     void signal(int number) const;
-    /// The exit code (128 + signal when it was killed), if it ends in time.
+    /// The exit code (128 + signal if it was killed), if it exits in time.
     std::optional<int> wait(Milliseconds patience);
-    /// SIGKILL; returns when it is gone.
+    /// SIGKILL; returns when it has exited.
     void kill();
 
 private:
@@ -44,7 +44,7 @@ private:
 std::size_t resident_bytes(pid_t pid);
 /// Open descriptors of a process.
 std::size_t open_descriptors(pid_t pid);
-/// What a file holds; empty when there is none.
+/// The content of a file; empty if there is none.
 std::string text_of(const std::filesystem::path& file);
 inline bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 inline std::ptrdiff_t lines_of(const std::string& text) { return std::ranges::count(text, '\n'); }

@@ -1,4 +1,4 @@
-// Programs of drones that are none, where they are looked for.
+// Fake drone programs in the search path.
 #pragma once
 
 #include <cstdlib>

@@ -1,4 +1,4 @@
-// How much a recording has that is still being written.
+// The number of events in a recording that is still being written.
 #pragma once
 
 #include <hive/recording/reader.hpp>
@@ -7,7 +7,7 @@
 
 namespace hive::test {
 
-/// So many events; 0 as well when there is no file, or its beginning is still to be written.
+/// 0 also if there is no file, or its start is not yet written.
 inline std::int64_t recorded_in(const std::filesystem::path& file)
 try {
     return recording::Reader(file).summary().events();

@@ -8,7 +8,7 @@
 
 namespace hive::test {
 
-/// A counter of all inputs; connections that have ended count as well.
+/// A counter of all inputs, including ended connections.
 inline std::int64_t at_inputs(const Status& status, std::int64_t InputStatus::*counter)
 {
     std::int64_t sum = 0;
@@ -18,7 +18,7 @@ inline std::int64_t at_inputs(const Status& status, std::int64_t InputStatus::*c
     return sum;
 }
 
-/// What the first output of a drone says of a receiver.
+/// The row of a receiver at a drone's first output.
 inline const EdgeStatus& edge_to(const Status& status, const std::string& receiver)
 {
     for (const auto& edge : status.outputs.at(0).edges)

@@ -1,4 +1,4 @@
-// The processes that are to take over from drones of a swarm.
+// Finds the processes that take over from drones of a swarm.
 #pragma once
 
 #include "swarm.hpp"
@@ -9,7 +9,7 @@
 
 namespace hive::test {
 
-/// The processes of this home that are to take over, or were.
+/// The processes of this home that are to take over, or have taken over.
 inline std::vector<pid_t> successors(const Swarm& swarm)
 {
     std::vector<pid_t> found;

@@ -1,4 +1,4 @@
-// A swarm's home directory and the commands that are run in it.
+// A swarm's home directory, and commands in it.
 #include "swarm.hpp"
 
 #include <csignal>
@@ -20,7 +20,7 @@ fs::path fresh_home()
     return name;
 }
 
-/// The process that holds a drone's lock; the kernel says whether anybody does.
+/// The process that holds a drone's lock, by the kernel.
 std::optional<pid_t> holder(const fs::path& lock)
 {
     const int descriptor = ::open(lock.c_str(), O_RDWR | O_CLOEXEC);

@@ -1,5 +1,4 @@
-// Real processes in a home directory of their own: what the end-to-end tests, the contract suite and the benchmarks
-// stand on.
+// Real processes in their own home directory, for the end-to-end tests, the contract suite and the benchmarks.
 #pragma once
 
 #include "eventually.hpp"
@@ -14,7 +13,7 @@
 
 namespace hive::test {
 
-/// What a command came to.
+/// Result of a command.
 struct Finished {
     int exit_code = -1;  ///< 128 + signal when it was killed
     std::string out, err;
@@ -22,8 +21,8 @@ struct Finished {
 };
 
 /// A fresh home directory (with the user's configuration in it), the built programs, and everything that was started in
-/// it; all gone at the end. Its programs see no system bus but one that a test makes, at `bus` in the home: drones of
-/// tests are not announced on a real network.
+/// it; all removed at the end. Its programs have no system bus except one that a test creates, at `bus` in the home, so
+/// that drones of tests are not announced on a real network.
 class Swarm {
 public:
     Swarm();
@@ -34,23 +33,23 @@ public:
 
     [[nodiscard]] const std::filesystem::path& home() const noexcept { return home_; }
     [[nodiscard]] std::filesystem::path program(const std::string& name) const;  ///< "hive-face", "hivectl"
-    /// Runs hivectl with a deadline; killed and failed (exit code 137) when it passes.
+    /// Runs hivectl with a deadline; then it is killed (exit code 137).
     Finished hivectl(const std::vector<std::string>& words, Milliseconds patience = Milliseconds(15'000)) const;
-    /// As above; throws with everything it said unless it exits with 0. Returns what it printed.
+    /// As above; throws with all output unless it exits with 0. Returns its stdout.
     std::string hivectl_done(const std::vector<std::string>& words, Milliseconds patience = Milliseconds(15'000)) const;
-    /// hivectl running beside the test: what it prints goes to `log(name)`.
+    /// Runs hivectl in the background; its output goes to `log(name)`.
     [[nodiscard]] Process hivectl_running(const std::vector<std::string>& words, const std::string& name) const;
     /// Any program with this swarm's home in its environment and the built programs first in its path.
     Finished run(const std::vector<std::string>& words, Milliseconds patience = Milliseconds(15'000)) const;
-    /// Starts a drone as a child of the test and returns when it answers; throws with its log when it does not.
+    /// Starts a drone as a child of the test and returns when it answers; throws with its log if it does not.
     /// @param settings     "key=value"
-    /// @param more         further words of its command line
+    /// @param more         further arguments
     /// @param environment  "NAME=value"
     [[nodiscard]] Process drone(const std::string& kind, const std::string& name,
                                 const std::vector<std::string>& settings = {},
                                 const std::vector<std::string>& more = {},
                                 const std::vector<std::string>& environment = {}) const;
-    /// Where the programs of this swarm look for its key; not there until somebody makes it.
+    /// The path of this swarm's key; the file does not exist until it is created.
     [[nodiscard]] std::filesystem::path key_file() const;
     [[nodiscard]] std::string log(const std::string& name) const;
     /// An application in this swarm.
@@ -64,7 +63,7 @@ private:
     mutable int commands_ = 0;
 };
 
-/// Data for tests that lies beside the source tree, when it is there (HIVE_SHARED, or ../shared).
+/// Test data next to the source tree, if present (HIVE_SHARED, or ../shared).
 std::optional<std::filesystem::path> shared_data(const std::string& relative);
 
 }  // namespace hive::test

@@ -1,4 +1,4 @@
-// A twin of a test: the same without a defence, which must fail, or the test shows nothing.
+// The twin of a test: the same without a defence, which must fail, or the test proves nothing.
 #pragma once
 
 #include <hive/protocol/defended.hpp>
@@ -7,7 +7,7 @@
 
 namespace hive::test {
 
-/// A defence that every program started meanwhile, and the test itself, does without (hive/protocol/defended.hpp).
+/// Disables a defence in the test itself and in every program started meanwhile (hive/protocol/defended.hpp).
 class SwitchedOff {
 public:
     explicit SwitchedOff(const char* defence)

@@ -1,4 +1,4 @@
-// A wall clock for drones that can be set while they run, by Debian's libfaketime; their steady clock goes on.
+// A wall clock for drones that can be set while they run, by Debian's libfaketime; their steady clock is unaffected.
 #pragma once
 
 #include "eventually.hpp"
@@ -13,7 +13,7 @@ namespace hive::test {
 /// Begins right.
 class WallClock {
 public:
-    /// What is missing for it here; empty if nothing is.
+    /// What is missing for it on this machine; empty if nothing.
     static std::string missing()
     {
         return std::filesystem::exists(library) && !sanitized() ? "" : "libfaketime, and a build without sanitizers";
@@ -27,7 +27,7 @@ public:
         std::ofstream(fresh) << offset << "\n";
         std::filesystem::rename(fresh, file_);
     }
-    /// For drones that go by it.
+    /// The environment for drones with this clock.
     [[nodiscard]] std::vector<std::string> environment() const
     {
         return {std::string("LD_PRELOAD=") + library, "FAKETIME_TIMESTAMP_FILE=" + file_.string(),

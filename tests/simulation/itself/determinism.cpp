@@ -1,4 +1,4 @@
-// A history follows from its seed alone.
+// A history depends only on its seed.
 #include <simulation.hpp>
 
 #include <doctest/doctest.h>

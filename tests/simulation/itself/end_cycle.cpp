@@ -1,5 +1,5 @@
-// Drones that receive each other's results in a circle, and have all ended, are asked whether that still holds: each
-// asks the next one. The answer comes in time, and then they are quiet.
+// Drones that receive each other's results in a circle, and have all ended, are asked to confirm that: each asks the
+// next one. The answer arrives in time, and then no more questions are sent.
 #include "world.hpp"
 
 #include <simulation.hpp>
@@ -15,7 +15,7 @@ using simulation::World;
 
 namespace {
 
-/// Ends its result when it is told to, or when all that it receives has ended.
+/// Ends its output on request, or when all of its inputs have ended.
 void member_of_ring(Drone& drone)
 {
     const auto over = std::make_shared<std::pair<bool, bool>>();  // told to end, and has ended

@@ -1,5 +1,5 @@
-// A source that had ended is set anew, and somebody begins to collect behind two drones as soon as that is confirmed:
-// what comes is all of the new source, or its end, and nothing of the old one, whatever is done to the drones
+// An ended source gets a new clip, and an application starts to collect behind two drones as soon as the set is
+// confirmed: it must receive all results of the new source, or its end, and nothing of the old one, despite faults
 // meanwhile.
 #include "../drones.hpp"
 #include "network.hpp"
@@ -74,7 +74,7 @@ Application application_named(const std::string& name)
     return Application(options);
 }
 
-/// What was wrong with what came of each clip.
+/// The errors in the results of each clip.
 struct Watched {
     std::vector<std::string> wrong;
     bool done = false;
@@ -126,7 +126,7 @@ struct Drones {
     std::map<std::string, simulation::Process*> processes{};
 };
 
-/// What is done again and again while it is being collected. The drone in the middle is the first one.
+/// The fault that is repeated during collection. The drone in the middle is the first one.
 using Disturb = void (*)(Drones& drones, Application& application);
 
 void nothing(Drones&, Application&) {}

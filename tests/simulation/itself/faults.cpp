@@ -1,5 +1,4 @@
-// What a process writes after its crash point is not seen, what is silenced arrives late, clocks differ, and who lies
-// does so once.
+// Writes after a crash point are invisible, silenced bytes arrive late, clocks differ, and a liar lies once.
 #include "../drones.hpp"
 #include "../lies.hpp"
 #include "network.hpp"
@@ -25,7 +24,7 @@ void run(World& world, std::chrono::milliseconds time)
     }
 }
 
-/// Which of three writes are seen of a process that dies at the last but `left`.
+/// The visible ones of three writes of a process that dies at the last but `left`.
 std::vector<std::string> files_after(int left)
 {
     simulation::enter_empty_home();

@@ -1,4 +1,4 @@
-// A drone that is frozen for longer than a peer waits for a sign of life, and goes on.
+// A drone is frozen for longer than its peer's inactivity timeout, and then continues.
 #include "../drones.hpp"
 #include "world.hpp"
 
@@ -19,7 +19,7 @@ namespace {
 
 constexpr int all = 300;
 
-/// What an application on another machine gets from it.
+/// The events that an application on another machine receives from it.
 std::vector<std::int64_t> collected_in(std::uint64_t seed)
 {
     simulation::enter_empty_home();

@@ -1,5 +1,5 @@
-// Somebody connects two drones while the receiver, started again, tries by itself to come back to its sender: one
-// connection is there afterwards, and both ends know of it.
+// An operator connects two drones while the restarted receiver reconnects by itself: afterwards there is one
+// connection, known to both ends.
 #include "../drones.hpp"
 #include "world.hpp"
 
@@ -26,8 +26,8 @@ void run_drone(const EmbeddedOptions& options, void (*make)(Drone&), Drone*& sel
 
 const std::string place = "tcp://127.0.0.1:7701";
 
-/// Does the receiver get events a while after it was connected?
-/// @param at  where it tries to come back to
+/// Does the receiver get events some time after it was connected?
+/// @param at  the address at which it tries to reconnect
 bool received_in(std::uint64_t seed, const std::string& at)
 {
     simulation::enter_empty_home();

@@ -1,4 +1,4 @@
-// Oracles of the simulated ground: each is quiet at what may be, and fires at what may not.
+// Oracles of the simulated ground: each accepts valid histories, and reports invalid ones.
 #include "../deadline.hpp"
 #include "../links.hpp"
 
@@ -12,7 +12,7 @@ namespace {
 const std::string closed = "closed link to a1 at pid 1004: peer ended the connection";
 constexpr Time begin{100s};
 
-/// How many of the links that a drone logs as ended should not have.
+/// The number of links that a drone logs as ended and that should not have ended.
 struct Told {
     Links links{{"source", "a1", "collector"}};
 

@@ -1,4 +1,4 @@
-// Nobody announces anything.
+// There are no announcements.
 #include <hive/discovery/announcer.hpp>
 #include <hive/discovery/browser.hpp>
 #include <hive/transport/key_ring.hpp>

@@ -1,4 +1,4 @@
-// Jobs that run when the world comes to them.
+// Jobs that run when the world schedules them.
 #include "world.hpp"
 
 #include <hive/event/encoder_thread.hpp>

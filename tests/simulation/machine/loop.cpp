@@ -1,4 +1,4 @@
-// The turn, where a thread waits by leaving its stack, and the world runs the handlers.
+// The loop: a thread waits by leaving its stack, and the world runs the handlers.
 #include "world.hpp"
 
 #include <hive/event/loop.hpp>
@@ -40,7 +40,7 @@ Loop::~Loop()
     sides().erase(this);
 }
 
-/// A module of a dead process ends by itself: it closes nothing and tells nobody.
+/// A module of a dead process ends by itself: it closes nothing and notifies no peer.
 bool Loop::started() const noexcept { return side_of(this).started && !side_of(this).process.dead; }
 bool Loop::has_turn() const noexcept { return side_of(this).turns > 0; }
 void Loop::start() { side_of(this).started = true; }
@@ -66,7 +66,7 @@ void Loop::post(Task task)
         asio::post(context_, [this] { run_posted(); });
 }
 
-/// Sometimes somebody else has the turn. Destructors call this, so it throws nothing.
+/// Sometimes another thread has the turn. Destructors call this, so it throws nothing.
 void Loop::perform(Task task)
 {
     if (side_of(this).process.dead || has_turn() || world().chance(20))

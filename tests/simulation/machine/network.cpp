@@ -1,4 +1,4 @@
-// Listening and dialing in the simulated network, whatever the scheme.
+// Listens and dials in the simulated network, for every scheme.
 #include "network.hpp"
 #include "pipe.hpp"
 
@@ -24,7 +24,7 @@ using simulation::Pipe;
 using simulation::Process;
 using simulation::world;
 
-/// Who has dialed and has not been let in.
+/// A dialer that has not been accepted yet.
 class Door : public std::enable_shared_from_this<Door> {
 public:
     Door(asio::io_context& context, OnConnection on_connection, const Timing& timing)
@@ -98,7 +98,7 @@ public:
         doors()[to_text(address_)] = door_;
         door_->open();
         if (address_.scheme == Address::Scheme::unix_socket)
-            std::ofstream(address_.host).put(' ');  // who lists the drones looks for the files of their sockets
+            std::ofstream(address_.host).put(' ');  // listing drones reads the files of their sockets
     }
     ~DoorListener() override
     {

@@ -1,4 +1,4 @@
-// Bytes under way, and the two streams that see them.
+// Bytes in flight, and the two streams.
 #include "pipe.hpp"
 
 #include <asio/error.hpp>

@@ -1,4 +1,4 @@
-// A connection of the simulated network: two streams of bytes that take time, and that break.
+// A connection of the simulated network: two streams of bytes with delays and faults.
 #pragma once
 
 #include "world.hpp"
@@ -14,22 +14,22 @@ class Pipe : public std::enable_shared_from_this<Pipe> {
 public:
     struct Nature {
         Duration latency, jitter;
-        std::size_t room;  ///< bytes that are under way at most
+        std::size_t room;  ///< maximum number of bytes in flight
     };
 
     explicit Pipe(Nature nature) : nature_(nature) {}
 
     void read(int end, asio::mutable_buffer into, std::shared_ptr<Operation> operation);
-    /// @return how many bytes of it there is room for, which are under way then
+    /// @return the number of accepted bytes, which are then in flight
     std::size_t write_now(int end, std::span<const asio::const_buffer> from);
     void write(int end, std::span<const asio::const_buffer> from, std::shared_ptr<Operation> operation);
-    /// The other end gets what is under way, and then the end of the stream.
+    /// The other end gets the bytes in flight, and then the end of the stream.
     void close(int end);
     /// What this end sends arrives after that time.
     void hold(int end, Time until) { ways_[end].last = std::max(ways_[end].last, until); }
     /// What this end sends from now on arrives as this says.
     void rewrite(int end, Process::Said said) { ways_[end].said = std::move(said); }
-    /// Both ends lose it now, with all that is under way.
+    /// Both ends lose it now, with all bytes in flight.
     void cut();
 
 private:
@@ -38,7 +38,7 @@ private:
         std::string arrived;
         std::size_t unread = 0;  ///< written and not yet read
         bool closed = false, ended = false;
-        Time last{};  ///< when the latest of what is under way arrives: bytes do not overtake
+        Time last{};  ///< arrival of the last bytes in flight: bytes do not overtake
         std::shared_ptr<Operation> read, write;
         asio::mutable_buffer into;
         std::span<const asio::const_buffer> from;

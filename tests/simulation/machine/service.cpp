@@ -1,4 +1,4 @@
-// What of service waits or ends a process.
+// The functions of service that wait or exit the process.
 #include "world.hpp"
 
 #include "command_line.hpp"

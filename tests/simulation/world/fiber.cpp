@@ -1,5 +1,5 @@
-// Stacks and the switch between them. A fiber begins through ucontext, which is portable; from then on it is left and
-// entered by longjmp, which costs no system call.
+// Switches between stacks. A fiber starts with ucontext, which is portable; later switches use longjmp, which needs no
+// system call.
 #include "fiber.hpp"
 
 #include <csetjmp>
@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::size_t guard_size = 4096, stack_size = 256 * 1024;
 
-/// Stacks that are used again and again, as a history has hundreds of threads.
+/// Stacks are reused, because a history has hundreds of threads.
 class Stacks {
 public:
     ~Stacks()
@@ -85,7 +85,7 @@ Fiber* beginning = nullptr;
 }  // namespace
 
 struct Fiber::Context {
-    /// What is being thrown and caught belongs to a stack, but the runtime keeps it by thread.
+    /// The state of exceptions belongs to a stack, but the runtime keeps it per thread.
     struct Exceptions {
         void* caught = nullptr;
         unsigned int uncaught = 0;

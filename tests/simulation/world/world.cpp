@@ -1,4 +1,4 @@
-// What happens next: a handler, a thread, or what is due.
+// Runs the next step: a handler, a thread, or a due timer.
 #include "world.hpp"
 
 #include <asio/post.hpp>
@@ -17,7 +17,7 @@ namespace {
 
 World* the_world = nullptr;
 
-/// So long the network side of a module is left alone before its thread steps in (event::Loop::patience).
+/// How long the network side of a module waits before its own thread runs it (event::Loop::patience).
 constexpr auto patience = 1ms;
 
 }  // namespace
@@ -46,7 +46,7 @@ NetworkSide::NetworkSide(asio::io_context& its_context) : context(its_context), 
 
 NetworkSide::~NetworkSide()
 {
-    while (!operations_.empty()) {  // what a handler holds may begin another one when it is destroyed, or finish one
+    while (!operations_.empty()) {  // destroying a handler may start or finish another operation
         const auto ending = std::exchange(operations_, {});
         for (const auto& operation : ending)
             operation->side_ = nullptr;
@@ -200,7 +200,7 @@ void World::spend(Duration time)
     Process& process = *current_;
     process.busy_since = now_;
     at(now_ + patience, [] {});
-    sleep(time);  // who is killed meanwhile is busy for ever
+    sleep(time);  // a process killed meanwhile stays busy forever
     process.busy_since.reset();
 }
 
@@ -239,7 +239,7 @@ void World::note(std::string_view text)
     }
 }
 
-/// Nothing is done in no time: what is due meanwhile comes in between.
+/// Every step takes time, and timers that become due run in between.
 void World::costs(Duration most) { now_ += between(1us, most); }
 
 bool World::step(Time limit)

@@ -1,5 +1,4 @@
-// A world in one thread: its time, its chance, its processes and what they wait for. Everything that happens follows
-// from the seed.
+// A world in one thread: its time, randomness, processes and their waits. Everything depends only on the seed.
 #pragma once
 
 #include "fiber.hpp"
@@ -28,10 +27,10 @@ using Duration = std::chrono::nanoseconds;
 /// By the wall clock.
 inline constexpr std::chrono::seconds when_it_began(1'700'000'000);
 
-/// Thrown through the code of a process that was killed, by all that it calls of the world.
+/// Thrown by every call to the world in a killed process, to unwind its code.
 struct Killed {};
 
-/// How far the clock of a machine is from the time of the world.
+/// The offset of a machine's clock from the time of the world.
 struct MachineClock {
     Duration offset{};
     std::int64_t drift_ppm = 0;
@@ -53,8 +52,8 @@ public:
     const std::function<bool()>* condition = nullptr;  ///< of the present wait; null: only its alarm ends it
 };
 
-/// Something that an io_context waits for. Its work is there until it is finished; when the context ends first, it
-/// never is.
+/// A pending operation of an io_context. It counts as work until it is finished; if the context ends first, it never
+/// is.
 class Operation {
 public:
     using Handler = std::function<void(std::error_code, std::size_t)>;
@@ -70,7 +69,7 @@ private:
     std::optional<asio::executor_work_guard<asio::io_context::executor_type>> work_;
 };
 
-/// The io_context of a module, and who waits in it.
+/// The io_context of a module, and its waiting threads.
 class NetworkSide {
 public:
     explicit NetworkSide(asio::io_context& context);
@@ -140,7 +139,7 @@ public:
     Duration between(Duration least, Duration most);
     std::uint64_t entropy() { return random_(); }
     void at(Time time, std::function<void()> what);
-    /// Two worlds in which the same happened have the same digest.
+    /// Worlds with equal histories have equal digests.
     void note(std::uint64_t what) { digest_ = (digest_ ^ what) * 1'099'511'628'211U; }
     void note(std::string_view text);
     [[nodiscard]] std::uint64_t digest() const { return digest_; }
@@ -148,18 +147,18 @@ public:
 
     // --- processes ---
     Process& spawn(std::string name, std::function<void()> main);
-    /// Nothing of it runs any more, but for the destructors on its stacks, for which nothing in the world exists.
+    /// Stops the process: only the destructors on its stacks still run, without access to the world.
     void kill(Process& process);
     /// The same, as soon as what runs now has to wait.
     void kill(std::int64_t pid);
-    /// Asked before each write. @return false when it dies before this one: nothing that it does is seen any more
+    /// Called before each write. @return false if it dies before this one: its further actions are invisible
     bool may_write(Process& process);
     [[nodiscard]] bool ends(std::int64_t pid) const;
     /// What is running; null outside of all processes.
     [[nodiscard]] Process* current() const { return current_; }
 
     // --- for what runs in a process ---
-    /// Until the condition, which is asked after each handler of that network side, or the deadline.
+    /// Waits until the condition, checked after each handler of that network side, or the deadline.
     void wait(NetworkSide* side, Time deadline, const std::function<bool()>* condition);
     void sleep(Duration time) { wait(nullptr, now_ + time, nullptr); }
     /// The code of a drone takes time.

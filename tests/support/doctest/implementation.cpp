@@ -1,3 +1,3 @@
-// What doctest is beside its macros: compiled once for all tests.
+// The implementation of doctest, compiled once for all tests.
 #define DOCTEST_CONFIG_IMPLEMENT
 #include <doctest/doctest.h>

@@ -1,4 +1,4 @@
-// The entry of every test program that has none of its own.
+// The main function of test programs without their own.
 #include "possible.hpp"
 
 int main(int argc, char** argv) { return hive::test::run_cases(argc, argv); }

@@ -14,7 +14,7 @@ constexpr int all_skipped = 77;  // as SKIP_RETURN_CODE in tests/CMakeLists.txt
 int entered = 0, skipped = 0;
 bool this_one_is = false;
 
-/// Sees every case begin, also when a subcase makes it begin again.
+/// Is notified of every start of a case, also of repetitions for subcases.
 class Entries : public doctest::IReporter {
 public:
     explicit Entries(const doctest::ContextOptions& /*options*/) {}

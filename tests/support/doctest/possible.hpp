@@ -5,13 +5,13 @@
 
 namespace hive::test {
 
-/// Call it first in a test case, which has to end when the answer is false:
-/// `if (!possible(missing_for_lab())) return;`. A program of several cases that is one test in CTest ends the name of
-/// such a case with "(needs ...)", which makes it a test of its own (hive_program_test in CMakeLists.txt).
+/// Call it first in a test case, and return if the result is false: `if (!possible(missing_for_lab())) return;`. A
+/// program of several cases that is one test in CTest ends the name of such a case with "(needs ...)", which makes it a
+/// test of its own (hive_program_test in CMakeLists.txt).
 /// @param missing  what the case needs and this machine lacks; empty: nothing
 bool possible(const std::string& missing);
 
-/// For cases that measure, or that a sanitizer's own memory would spoil.
+/// For cases that measure, or that a sanitizer's own memory would disturb.
 inline std::string missing_if_sanitized()
 {
 #ifdef HIVE_SANITIZED
@@ -21,7 +21,7 @@ inline std::string missing_if_sanitized()
 #endif
 }
 
-/// What main() of every test program does: runs the chosen cases.
+/// For main() of every test program: runs the selected cases.
 /// @return  doctest's exit code, which is not 0 after any failure; 77 if nothing failed and every case was skipped
 int run_cases(int argc, char** argv);
 

@@ -1,4 +1,4 @@
-// A drone for tests that fails at one certain event, in the way that its parameter says.
+// A drone for tests that fails at one event, in the way that its parameter selects.
 #include <hive/drone.hpp>
 
 #include <chrono>
@@ -6,7 +6,7 @@
 #include <string>
 #include <thread>
 
-// Not in a namespace without a name, and not inlined: the tests look for this name.
+// Not in an unnamed namespace, and not inlined: the tests search for this name.
 namespace breaker {
 
 [[gnu::noinline]] void write_to_null(volatile int* nowhere) { *nowhere = 1; }

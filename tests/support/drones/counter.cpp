@@ -1,4 +1,4 @@
-// A drone for tests that keeps state between events, so that its work cannot be shared; it takes ticks alone.
+// A drone for tests that keeps state between events, so that its work cannot be shared; it accepts only ticks.
 #include <hive/drone.hpp>
 
 namespace {

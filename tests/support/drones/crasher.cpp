@@ -1,4 +1,5 @@
-// A drone for tests that dies of what its parameter says, in the callback of an event or in a thread of its own.
+// A drone for tests that crashes in the way that its parameter selects, in the callback of an event or in its own
+// thread.
 #include <hive/drone.hpp>
 
 #include <cstdlib>
@@ -6,7 +7,7 @@
 #include <string>
 #include <thread>
 
-// Not in a namespace without a name, and not inlined: the tests look for these names.
+// Not in an unnamed namespace, and not inlined: the tests search for these names.
 namespace crasher {
 
 [[gnu::noinline]] void write_to_null(volatile int* nowhere) { *nowhere = 1; }
@@ -19,12 +20,12 @@ namespace crasher {
     return here > 0 ? use_up_the_stack(&here) + here : 0;
 }
 
-/// The heap is found broken while its lock is held: this is too large for the cache of a thread.
+/// Too large for a thread's cache, so that the corruption of the heap is detected while its lock is held.
 [[gnu::noinline]] void free_twice()
 {
     constexpr std::size_t size = 2000;
     void* volatile twice = std::malloc(size);
-    void* const volatile behind = std::malloc(size);  // else it would become one with the rest of the heap
+    void* const volatile behind = std::malloc(size);  // prevents merging with the rest of the heap
     std::free(twice);
     std::free(twice);
     std::free(behind);

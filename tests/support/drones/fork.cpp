@@ -1,5 +1,5 @@
-// A drone for tests with two outputs that give each event on, whose code is slow or throws what is no exception when
-// it is told to.
+// A drone for tests with two outputs that forward each event; on request its code is slow, or throws something other
+// than an exception.
 #include <hive/drone.hpp>
 
 #include <chrono>
@@ -36,7 +36,7 @@ void fork_drone(hive::Drone& drone)
         "in", "*/*",
         [&](const hive::Event& event) {
             throw_once("event");
-            // An empty list of boxes makes it something that a tracker takes.
+            // An empty list of boxes, so that a tracker accepts it.
             const hive::Json header{{"seq", event.identity.sequence}, {"boxes", hive::Json::array()}};
             left.emit(header);
             right.emit(header);

@@ -1,4 +1,4 @@
-// A drone for tests with two inputs, which counts what comes to each.
+// A drone for tests with two inputs, which counts the events of each.
 #include <hive/drone.hpp>
 
 namespace {

@@ -1,4 +1,4 @@
-// A worker for tests: sleeps over each event, throws or refuses when it is told to, and says what it got.
+// A worker for tests: sleeps at each event, throws or refuses on request, and reports what it received.
 #include <hive/drone.hpp>
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 
 namespace {
 
-/// Of a ticker: each byte is one more than the one before, and their sum is in the header.
+/// Checks the body of a ticker: each byte is one more than the one before, and their sum is in the header.
 bool as_it_was_sent(const hive::Event& event)
 {
     const auto *begin = event.body.data(), *end = begin + event.body.size();
@@ -22,7 +22,7 @@ bool as_it_was_sent(const hive::Event& event)
            && event.header["sum"] == std::accumulate(begin, end, std::int64_t{0});
 }
 
-/// Computes until this thread has used so much processor time.
+/// Computes until this thread has used this much processor time.
 void burn(std::chrono::nanoseconds time)
 {
     const auto used = [] {

@@ -1,4 +1,4 @@
-// A source for tests: numbered bodies with a checksum, live or on demand, that cost next to nothing to make.
+// A source for tests: numbered bodies with a checksum, live or on demand, almost free to produce.
 #include <hive/drone.hpp>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// The entry of a test program that uses OpenCV as the drones do.
+// The main function of test programs that use OpenCV as the drones do.
 #include <possible.hpp>
 
 #include <opencv2/core/utility.hpp>

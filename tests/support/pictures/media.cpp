@@ -1,4 +1,4 @@
-// Finds, makes and compares what the vision tests feed on.
+// Finds, creates and compares the media of vision tests.
 #include "media.hpp"
 
 #include <doctest/doctest.h>

@@ -1,4 +1,4 @@
-// Pictures and files for the tests: made here, or from the folder of media that a developer may have.
+// Images and files for tests: generated, or from a developer's folder of media.
 #pragma once
 
 #include "truth.hpp"
@@ -26,13 +26,13 @@ std::vector<cv::Rect2d> boxes(const std::vector<TrueBox>& things);
 Bytes read(const std::filesystem::path& path);
 void write(const std::filesystem::path& path, const Bytes& bytes);
 
-/// A picture with gradients, edges and grain.
+/// An image with gradients, edges and grain.
 cv::Mat sample(cv::Size size, int type, int seed = 1);
 /// Encoded by OpenCV.
 Bytes encoded(const char* suffix, const cv::Mat& picture, const std::vector<int>& options = {});
 bool same(const cv::Mat& a, const cv::Mat& b);
 
-/// An empty folder that is gone with the object.
+/// A temporary folder, removed with the object.
 class Folder {
 public:
     Folder();

@@ -1,4 +1,4 @@
-// How well found boxes match true ones.
+// Compares found boxes with true ones.
 #pragma once
 
 #include <opencv2/core/types.hpp>

@@ -1,4 +1,4 @@
-// Boxes that somebody said are right: what a NAME.gt.csv beside a clip tells.
+// Ground truth boxes from the NAME.gt.csv next to a clip.
 #pragma once
 
 #include <opencv2/core/types.hpp>
@@ -13,7 +13,7 @@
 
 namespace media {
 
-/// A box, and whose it is.
+/// A box and its object.
 struct TrueBox {
     int id;
     cv::Rect2d box;
