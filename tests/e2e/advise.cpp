@@ -1,4 +1,4 @@
-// hivectl advise: the steps, the bottleneck, a command that helps, and nothing where nothing helps.
+// hivectl advise: the steps, the bottleneck, a command that helps, and no proposal if none helps.
 #include "measure.hpp"
 #include "status_sums.hpp"
 

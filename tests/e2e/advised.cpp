@@ -1,4 +1,4 @@
-// What hivectl advise predicts, beside what comes of doing what it says.
+// Compares the predictions of hivectl advise with the effects of its commands.
 #include "bad_link.hpp"
 #include "delay_relay.hpp"
 #include "measure.hpp"
@@ -17,17 +17,17 @@ using hive::Json;
 
 namespace {
 
-/// Where hivectl runs: words in, what it printed out.
+/// Runs hivectl with arguments, and returns its output.
 using Shell = std::function<std::string(const std::string& line)>;
 
 struct Came {
     double per_s = 0, age_us = 0;
 };
 
-/// What was predicted and what came, of each case.
+/// Predicted and measured values of each case.
 class Judge {
 public:
-    /// @param results  outputs of sleepers, which report the age of their input when its work was done
+    /// @param results  outputs of sleepers, which report the age of their input after its processing
     Came measured(hive::Application& application, const std::vector<std::string>& drones) const
     {
         std::vector<hive::Endpoint> ends;
@@ -48,7 +48,7 @@ public:
         return came;
     }
 
-    /// Asks, does what is proposed, and measures again.
+    /// Gets the proposal, executes it, and measures again.
     /// @param after  the drones whose results count then
     void judge(const std::string& name, hive::Application& application, const Shell& shell,
                const std::vector<std::string>& before, const std::vector<std::string>& after, const std::string& what,
@@ -63,7 +63,7 @@ public:
             std::ranges::find(proposals, Json(what), [](const Json& each) { return each.at("what"); });
         REQUIRE_MESSAGE(proposal != proposals.end(), name, ": ", line.dump(2));
         shell(proposal->at("command").get<std::string>());
-        std::this_thread::sleep_for(1s);  // until what was under way before has passed
+        std::this_thread::sleep_for(1s);  // until earlier events have passed
         const auto came = measured(application, after);
         const double predicted = proposal->at(fps ? "predicted_per_s" : "predicted_us").get<double>();
         const double was = line.at(fps ? "per_s" : "latency_us").get<double>(), is = fps ? came.per_s : came.age_us;
@@ -119,7 +119,7 @@ void judge_workers(Judge& judge)
     }
 }
 
-/// Processors that are at work now.
+/// The number of busy processors.
 double processors_in_use()
 {
     const auto idle = [] {
@@ -134,11 +134,11 @@ double processors_in_use()
     return static_cast<double>(::sysconf(_SC_NPROCESSORS_ONLN)) - (idle() - before) / 0.3;
 }
 
-/// Do other programs leave the processors to what is judged?
+/// Are the processors free of other programs?
 bool quiet(const std::string& what)
 {
     constexpr double few = 0.4;
-    constexpr int tries = 10;  // 3 s: eventually() would wait longer where others are at work
+    constexpr int tries = 10;  // 3 s: eventually() would wait longer on a busy machine
     for (int i = 0; i < tries; ++i)
         if (processors_in_use() < few)
             return true;
@@ -197,7 +197,7 @@ void judge_latency(Judge& judge)
 
 void judge_encoding_here(Judge& judge)
 {
-    if (!quiet("raw instead of jpeg"))  // how long an encoder takes depends on them
+    if (!quiet("raw instead of jpeg"))  // the speed of an encoder depends on them
         return;
     const Swarm swarm;
     const auto camera = swarm.drone("camera", "camera", {"source=scene:plain", "width=1280", "height=960", "fps=200"}),

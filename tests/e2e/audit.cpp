@@ -1,4 +1,4 @@
-// hivectl audit: counts of a swarm that runs never contradict each other, and what is lost is said with its place.
+// hivectl audit: counts of a running swarm never contradict each other, and losses are reported with their place.
 #include "swarm.hpp"
 
 #include <doctest/doctest.h>
@@ -29,7 +29,7 @@ Audited audited(const Swarm& swarm)
     return {Json::parse(done.out), done.exit_code, done.err};
 }
 
-/// The sum of all that the row says has become of what came.
+/// The sum of all fates in the row.
 std::int64_t accounted(const Json& row)
 {
     std::int64_t sum = 0;
@@ -82,7 +82,7 @@ TEST_CASE("audit: a receiver that is killed, a queue that is full and code that 
     Audited killed;
     CHECK_MESSAGE(eventually([&] { return (killed = audited(swarm)).exit_code == 9; }), killed.rows.dump(2));
     const auto gone = killed.row("worker.image");
-    CHECK_MESSAGE(gone.at("lost") > 0, gone.dump(2));  // what it was working on, and perhaps one on its way
+    CHECK_MESSAGE(gone.at("lost") > 0, gone.dump(2));  // the event in progress, and perhaps one in flight
     CHECK(gone.at("losses").back()
           == Json{{"fate", "lost_killed"}, {"at", "source"}, {"events", gone.at("lost")}, {"promised", true}});
     CHECK(gone.at("state") == "receiver gone");

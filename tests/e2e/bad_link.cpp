@@ -1,4 +1,4 @@
-// The devices and the thread between them.
+// Connects two TUN devices with a thread.
 #include "bad_link.hpp"
 
 #include "network_space.hpp"
@@ -22,7 +22,7 @@ namespace {
 
 constexpr const char* device = "bad";
 
-/// A TUN device of a machine, with the way to the other one through it.
+/// A TUN device of a machine, with the route to the other one.
 class Tun {
 public:
     Tun(const Machine& here, const Machine& there) : descriptor_(inside_network(here.net.name(), open_device))
@@ -30,7 +30,7 @@ public:
         here.net.run("ip link set " + std::string(device) + " mtu 1500 txqueuelen 1000 up; ip route add "
                      + there.address + "/32 dev " + device + " src " + here.address);
     }
-    ~Tun() { ::close(descriptor_); }  // the device and its route go with it
+    ~Tun() { ::close(descriptor_); }  // removes the device and its route
     Tun(const Tun&) = delete;
     Tun& operator=(const Tun&) = delete;
 
@@ -113,7 +113,7 @@ private:
     void wait()
     {
         using namespace std::chrono_literals;
-        auto until = Clock::now() + 20ms;  // then it is asked whether this is the end
+        auto until = Clock::now() + 20ms;  // then it checks for the end
         for (const auto& line : lines_)
             until = std::min(until, line.next().value_or(until));
         const auto time = std::max<Clock::duration>(until - Clock::now(), 0ns);

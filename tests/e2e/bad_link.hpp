@@ -1,5 +1,5 @@
-// A link between two machines of a lab that is as bad as one likes, since not every kernel has netem: a TUN device in
-// either namespace, and between them a thread that delays, loses, doubles, damages and slows down packets.
+// A configurable bad link between two machines of a lab, because not every kernel has netem: a TUN device in each
+// namespace, and between them a thread that delays, loses, duplicates, damages and slows down packets.
 #pragma once
 
 #include "lab.hpp"
@@ -9,7 +9,7 @@
 
 namespace hive::test {
 
-/// All that goes from the one to the other takes this link, until it is destroyed; other ways stay as they were.
+/// All traffic between the two uses this link until it is destroyed; other routes are unchanged.
 class BadLink {
 public:
     BadLink(const Machine& one, const Machine& other, const LineQuality& quality = {}, std::uint64_t seed = 1);
@@ -17,9 +17,9 @@ public:
     BadLink(const BadLink&) = delete;
     BadLink& operator=(const BadLink&) = delete;
 
-    /// For the packets that come from now on, both ways.
+    /// For later packets, in both directions.
     void set(const LineQuality& quality);
-    /// A black hole: nothing comes through, and nobody is told.
+    /// A black hole: drops everything silently.
     void swallow() { set({.loss = 1}); }
     /// Of both directions together.
     [[nodiscard]] LineCounts counts() const;

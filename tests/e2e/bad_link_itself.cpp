@@ -1,4 +1,4 @@
-// The link that other tests stand on does what it is told to: what leaves at one end is compared with what arrives.
+// Tests the bad link itself: compares the packets sent at one end with those received at the other.
 #include "bad_link.hpp"
 #include "lab.hpp"
 #include "network_space.hpp"
@@ -35,7 +35,7 @@ class Post {
 public:
     Post(const Machine& from, const Machine& to) : to_(at(to.address)), sending_(open(from)), receiving_(open(to))
     {
-        const int enough = 16 << 20;  // for all that is sent before anything is received
+        const int enough = 16 << 20;  // for everything that is sent before the first receive
         ::setsockopt(receiving_, SOL_SOCKET, SO_RCVBUFFORCE, &enough, sizeof enough);
     }
     ~Post()
@@ -51,15 +51,15 @@ public:
         int damaged = 0;
         Clock::duration fastest = Clock::duration::max();
     };
-    /// Sends so many, one after the other, and returns what arrives: with patience for as many as are expected, and
-    /// then until nothing has come for a while.
+    /// Sends this many, one after the other, and returns those received: waits for the expected number, and then until
+    /// none has arrived for a while.
     Result exchange(int datagrams, int expected, Milliseconds quiet = 300ms) const
     {
         std::vector<Clock::time_point> sent;
         for (int number = 0; number < datagrams; ++number) {
             sent.push_back(Clock::now());
             send(number);
-            std::this_thread::sleep_for(100us);  // so that no queue of the kernel is too short
+            std::this_thread::sleep_for(100us);  // so that no queue of the kernel overflows
         }
         Result result;
         unsigned char bytes[size];

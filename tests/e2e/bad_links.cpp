@@ -1,5 +1,5 @@
-// Streams and sources on demand over a link that loses, disorders, doubles and damages packets. Slow, since what chance
-// does shows only after a while.
+// Streams and sources on demand over a link that loses, reorders, duplicates and damages packets. Slow, because random
+// faults need time.
 #include "bad_pair.hpp"
 #include "lab.hpp"
 #include "measure.hpp"
@@ -18,15 +18,15 @@ using hive::Json;
 
 namespace {
 
-/// How long to look: longer by hand, with HIVE_TEST_SECONDS.
+/// Duration: longer by hand, with HIVE_TEST_SECONDS.
 Seconds watching_time(int usual)
 {
     const char* told = std::getenv("HIVE_TEST_SECONDS");
     return Seconds(told ? std::stoi(told) : usual);
 }
 
-/// No receiver is connected anew since these numbers were read; where this machine stood still, one may have been taken
-/// for dead with reason.
+/// No receiver has reconnected since these numbers were read; if this machine stalled, one may rightly have been
+/// declared dead.
 void check_kept(Pair& pair, const std::vector<std::int64_t>& before, const Watched& watched)
 {
     const auto now = pair.registrations();
@@ -34,7 +34,7 @@ void check_kept(Pair& pair, const std::vector<std::int64_t>& before, const Watch
     CHECK_MESSAGE(again <= (watched.late > 500ms ? 1 : 0), "late by up to ", watched.late.count(), " s\n", pair.said());
 }
 
-/// So many threads for each core that do nothing but take its time.
+/// Loads each core with this many busy threads.
 class BusyCores {
 public:
     explicit BusyCores(unsigned each)
@@ -50,7 +50,7 @@ private:
     std::vector<std::jthread> threads_;
 };
 
-/// What a stream came to on a link of 20 Mbit/s with jitter, beside a plain connection on such a link.
+/// Results of a stream on a link of 20 Mbit/s with jitter, next to a plain connection on such a link.
 struct Rounds {
     std::vector<double> ratios;        ///< of the rates
     std::vector<double> middle, most;  ///< the ages against what is allowed
@@ -119,7 +119,7 @@ TEST_CASE(
                            << " s in the middle, of 95 % below " << watched.age(0.95) << " s; load " << machine_load());
     CHECK(ratio >= 0.8);
     check_kept(pair, registrations, watched);
-    // Of one receiver, one frame is given to the connection and two wait; what the kernel may have is on top.
+    // Per receiver, one frame is passed to the connection and two wait, plus the data in the kernel.
     const auto three_frames = 3.0 * frame * streams / watched.bytes_per_second;
     const auto kernel = 48.0 * 1024 * streams / watched.bytes_per_second;
     CHECK(watched.age(0.5) < three_frames + 0.1);
@@ -130,7 +130,7 @@ TEST_CASE("bad link: at 5 % loss and 100 ms, and with four busy threads for each
 {
     if (!possible(missing_for_lab()))
         return;
-    constexpr int streams = 4, event = 1000;  // small: what chance loses four times running is silent for 2 s as well
+    constexpr int streams = 4, event = 1000;  // small: four losses of one packet cause 2 s of silence as well
     Pair pair;
     pair.start("fps=5 bytes=" + std::to_string(event), streams);
     pair.link().set({.delay = 50ms, .loss = 0.05});

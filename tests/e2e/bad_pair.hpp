@@ -1,4 +1,4 @@
-// Two machines with a bad link between them, what streams from the one to the other, and how fast and how old it comes.
+// Two machines with a bad link between them, and the rate and age of a stream over it.
 #pragma once
 
 #include "bad_link.hpp"
@@ -12,7 +12,7 @@
 
 namespace hive::test {
 
-/// All namespaces of a machine have one clock, so the true age of what arrives is known.
+/// All namespaces of a machine have one clock, so the true age of an event is known.
 inline std::int64_t wall_us()
 {
     const auto now = std::chrono::system_clock::now().time_since_epoch();
@@ -21,14 +21,14 @@ inline std::int64_t wall_us()
 
 enum class Key { shared, none };
 
-/// A ticker on one machine, and sleepers that receive it on another, which a bad link is laid between.
+/// A ticker on one machine, and sleepers that receive it on another over a bad link.
 class Pair {
 public:
     explicit Pair(Key key = Key::shared) : lab_({"cam1", "gpu1", "cam2", "gpu2"}), key_(key)
     {
         if (key_ == Key::shared)
             lab_.share_key();
-        // Congestion control that takes loss for congestion, as it is on most machines.
+        // Loss-based congestion control, as on most machines.
         const std::string control = "> /proc/sys/net/ipv4/tcp_congestion_control";
         for (const std::size_t each : {0, 1, 2, 3})
             lab_.machine(each).net.run("echo cubic " + control + " || echo reno " + control);
@@ -78,7 +78,7 @@ public:
         return sum;
     }
     [[nodiscard]] std::int64_t received() { return sum(&hive::InputStatus::received); }
-    /// Of each sleeper: another number when its connection was made again.
+    /// Per sleeper: the number changes when it reconnects.
     [[nodiscard]] std::vector<std::int64_t> registrations()
     {
         std::vector<std::int64_t> numbers;
@@ -87,7 +87,7 @@ public:
         return numbers;
     }
 
-    /// What either end said of connections that ended.
+    /// Log lines of both ends about ended connections.
     [[nodiscard]] std::string said() const
     {
         std::string lines;
@@ -119,13 +119,13 @@ private:
     std::unique_ptr<BadLink> link_;
 };
 
-/// What came of a while of streaming.
+/// Result of streaming for a while.
 struct Watched {
     double bytes_per_second = 0;
     std::vector<std::int64_t> ages_us;
-    Seconds late{};  ///< at most, of this thread: so long this machine did nothing
+    Seconds late{};  ///< maximum delay of this thread: a stall of this machine
 
-    /// The age that a share of the events did not pass, seconds.
+    /// A percentile of the ages, seconds.
     [[nodiscard]] double age(double share) const
     {
         if (ages_us.empty())

@@ -1,4 +1,4 @@
-// --connect: drones that are wired by their own command lines, in whatever order they are started and killed.
+// --connect: drones connect by their own command lines, in any order of starts and kills.
 #include "free_port.hpp"
 #include "measure.hpp"
 #include "status_sums.hpp"
@@ -15,7 +15,7 @@ namespace {
 
 using Words = std::vector<std::string>;
 
-/// A drone as an engine starts it: by its command line alone.
+/// Starts a drone as an engine does: by its command line alone.
 struct Member {
     std::string kind, name;
     Words settings, words;
@@ -35,7 +35,7 @@ std::int64_t received(hive::Application& application, const std::string& drone)
     return at_inputs(application.status(drone), &hive::InputStatus::received);
 }
 
-/// Does more come to this drone from now on?
+/// Does this drone receive further events?
 bool receives(hive::Application& application, const std::string& drone)
 {
     const auto before = received(application, drone);

@@ -26,8 +26,8 @@ void put_one(hive::Application& application, const std::string& drone)
     application.put({drone, "image"}, Json::object(), hive::Body(std::string("x")), "text/plain");
 }
 
-/// What a whole command may take that is said to take less than `bound`: as many times what one takes that does
-/// nothing, where that is more.
+/// The allowed time for a whole command with the promised bound: on a slow machine a multiple of a command that does
+/// nothing.
 double allowed_ms(const Swarm& swarm, double bound, double times)
 {
     const double nothing = median_ms(swarm, {"--version"}, 15);
@@ -122,7 +122,7 @@ TEST_CASE("busy: a set that timed out exits with 124 and is not applied later")
     CHECK(late.exit_code == 124);
     CHECK(late.took >= 900ms);
     REQUIRE(eventually([&] { return state_of(application, "face") == "idle"; }));
-    // One that is set now has overtaken nothing: the late one was before it in the queue.
+    // A set now has overtaken nothing: the late one was before it in the queue.
     CHECK(application.set("face", {{"most_ms", 5000}}) == Json{{"most_ms", 5000}});
     CHECK(application.get("face", {"work_ms"}) == Json{{"work_ms", 2500}});
 }

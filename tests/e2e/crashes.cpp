@@ -1,4 +1,4 @@
-// A drone that dies of a signal: its log has the stack, ps the frame, and its exit status is what it was.
+// A drone that dies of a signal: its log has the stack, ps the frame, and its exit status is unchanged.
 #include "process.hpp"
 #include "swarm.hpp"
 
@@ -14,7 +14,7 @@ using namespace hive;
 using hive::test::has;
 using hive::test::Swarm;
 
-/// A crasher that looks for programs there alone.
+/// A crasher with only this folder in its search path.
 test::Process crasher_with_path(const Swarm& swarm, const std::string& path)
 {
     test::Process drone({"/usr/bin/env", "PATH=" + path, swarm.program("hive-crasher").string(), "--name", "boom"},
@@ -24,14 +24,14 @@ test::Process crasher_with_path(const Swarm& swarm, const std::string& path)
     return drone;
 }
 
-/// Has a drone die of its next event. @return its exit status
+/// Makes a drone crash at its next event. @return its exit status
 int die(const Swarm& swarm, test::Process& drone, const std::string& name)
 {
     auto application = swarm.application();
     try {
         application.put({name, "in"}, Json::object(), Body(std::string("x")), "text/plain");
     } catch (const Error&) {
-        // It may be gone before it has answered.
+        // It may exit before it has answered.
     }
     return drone.wait(test::patient(std::chrono::seconds(20))).value_or(-1);
 }

@@ -1,4 +1,4 @@
-// Dialing, saying hello, registering, and coming back.
+// Dials, sends hello, registers, and reconnects.
 #include "crowd.hpp"
 
 #include <hive/backoff.hpp>
@@ -22,7 +22,7 @@ namespace crowd {
 using namespace std::chrono_literals;
 using protocol::PacketType;
 
-/// Where all of them go, and how many are there.
+/// The address of the drone, and the number of peers.
 struct Goal {
     transport::Address address;
     transport::Security security;

@@ -1,4 +1,4 @@
-// Many peers in one process, who dial a drone again and again.
+// Many peers in one process that dial a drone repeatedly.
 #pragma once
 
 #include <filesystem>
@@ -7,7 +7,7 @@
 
 namespace hive::test {
 
-/// Works on a thread of its own until it is destroyed. Who is served has said hello, and has an output registered.
+/// Works on its own thread until it is destroyed. A served peer has sent hello and registered at an output.
 class Crowd {
 public:
     /// @param address  tcp://HOST:PORT
@@ -17,15 +17,15 @@ public:
     Crowd(const Crowd&) = delete;
     Crowd& operator=(const Crowd&) = delete;
 
-    /// Peers come, all at once, and come back when they are sent away.
+    /// Adds peers, which dial at once, and redial when they are rejected.
     void come(int peers);
-    /// Those of them who are served now.
+    /// The number of peers served now.
     [[nodiscard]] int served() const;
-    /// How often one of them who was served has lost its connection.
+    /// How often a served peer has lost its connection.
     [[nodiscard]] int lost() const;
-    /// All that are connected lose their connection at once, and come back.
+    /// Closes all connections at once; the peers reconnect.
     void lose_connections();
-    /// Others come, who only hold the door: they connect, say nothing, and come again when they are sent away.
+    /// Adds peers that only connect: they send nothing, and redial when they are rejected.
     void come_silently(int peers);
 
 private:

@@ -1,4 +1,4 @@
-// Crowds at the door of a drone behind a key: those who may come in get in soon, and the others cost nobody much.
+// Many clients at a drone with a key: those with the key connect soon, and the others cost little.
 #include "crowd.hpp"
 #include "measure.hpp"
 
@@ -14,7 +14,7 @@ namespace {
 
 using Seconds = std::chrono::duration<double>;
 
-/// A drone behind a key, and a key that it does not know.
+/// A drone with a key, and another, invalid key.
 struct House {
     House(const std::vector<std::string>& environment = {})
     {
@@ -52,7 +52,7 @@ Answers answers(const House& house, int times)
 
 double milliseconds(Clock::duration time) { return 1e3 * Seconds(time).count(); }
 
-/// What hivectl on another machine with the key can do.
+/// The verbs of hivectl on another machine with the key.
 Finished asked_from_elsewhere(const House& house, const std::vector<std::string>& words)
 {
     const Swarm elsewhere;
@@ -105,7 +105,7 @@ TEST_CASE(
     }
     CHECK(median(back) < stated(2000ms));
     if (!sanitized())
-        CHECK(median(missed) <= 2);  // and what is under way
+        CHECK(median(missed) <= 2);  // and events in flight
 }
 
 TEST_CASE("crowds: 256 strangers and 64 silent ones keep out neither the owner nor who has the key")
@@ -138,7 +138,7 @@ TEST_CASE("crowds: when members fill all places, the places kept for the local s
     Crowd members(house.address, house.swarm.key_file());
     members.come(256);
     REQUIRE(eventually([&] { return members.served() == 256; }, 10'000ms));
-    members.come(20);  // for whom there is none left
+    members.come(20);  // no places are left for these
     CHECK(house.swarm.hivectl_done({"set", "ticker", "fps=50"}) == "50.0\n");
     const auto elsewhere = asked_from_elsewhere(house, {"get", "ticker", "fps"});
     CHECK_MESSAGE(elsewhere.exit_code == 0, elsewhere.err);
@@ -166,5 +166,5 @@ TEST_CASE("crowds: when hardly anybody may wait to be accepted, 200 peers take l
     REQUIRE(eventually([&] { return crowd.served() == peers; }, 30s));
     const Seconds came = Clock::now() - first;
     MESSAGE("came within " << came.count() << " s");
-    CHECK(came > 2s);  // in which all are served otherwise: the kernel asks again after 1 s, then after 2 s more
+    CHECK(came > 2s);  // in which all would otherwise be served: the kernel retries after 1 s, then after 2 s more
 }

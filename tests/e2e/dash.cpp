@@ -1,4 +1,4 @@
-// hivectl dash: who may look and who may change, over HTTP; and each control, in a real browser.
+// hivectl dash: permissions to read and change, over HTTP; and each control, in a real browser.
 #include "dash_browser.hpp"
 #include "dash_server.hpp"
 #include "successors.hpp"
@@ -18,8 +18,8 @@ namespace {
 
 Json json_of(const std::string& answer) { return Json::parse(answer.substr(0, answer.size() - 3)); }
 
-/// A program dot that takes half a minute and says that it has begun; as long as this lives, it is the first in the
-/// path.
+/// A fake program dot that takes half a minute and reports its start; during the object's lifetime it is the first in
+/// the path.
 class SlowDot {
 public:
     explicit SlowDot(const Swarm& swarm) : begun_(swarm.home() / "drawing")
@@ -179,7 +179,7 @@ TEST_CASE("dash: an order waits for no drone but its own")
         asking.push_back(page.begin("/ask/" + drone));
         asking.push_back(page.begin("/orders", R"({"do": "halt", "drone": ")" + drone + R"("})"));
     }
-    std::this_thread::sleep_for(300ms);  // until they have come: nothing shows that
+    std::this_thread::sleep_for(300ms);  // until they have arrived: nothing shows that
     const auto begin = Clock::now();
     CHECK(page.post(R"({"do": "halt", "drone": "good"})") == "{}200");
     CHECK(Clock::now() - begin < stated(1000ms));

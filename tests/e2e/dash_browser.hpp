@@ -1,4 +1,4 @@
-// What a person does with hivectl dash: scenarios of dash_page.py and dash_people.py, in a real browser.
+// Runs the scenarios of dash_page.py and dash_people.py with hivectl dash in a real browser.
 #pragma once
 
 #include "eventually.hpp"

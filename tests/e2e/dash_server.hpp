@@ -1,4 +1,4 @@
-// hivectl dash, as curl sees it.
+// Runs hivectl dash, and sends requests with curl.
 #pragma once
 
 #include "swarm.hpp"
@@ -27,7 +27,7 @@ public:
     [[nodiscard]] int port() const { return port_; }
     [[nodiscard]] pid_t pid() const { return server_.pid(); }
 
-    /// What curl prints with these words: the body, then the code.
+    /// The output of curl with these arguments: the body, then the code.
     [[nodiscard]] std::string curl(const std::string& path, const std::vector<std::string>& more) const
     {
         std::vector<std::string> line{"/usr/bin/curl", "-sS", "-m", "20", "-w", "%{http_code}"};
@@ -46,7 +46,7 @@ public:
         words.insert(words.end(), more.begin(), more.end());
         return curl("/orders", words);
     }
-    /// A request beside the test; without a body it is a GET.
+    /// A request in the background; without a body it is a GET.
     [[nodiscard]] Process begin(const std::string& path, const std::string& body = "") const
     {
         std::vector<std::string> line{"/usr/bin/curl", "-sN", "-m", "60", "-b", cookie()};

@@ -1,4 +1,4 @@
-// A loop of poll() over the connections, with what is on its way in queues.
+// A poll() loop over the connections, with queues of data in flight.
 #include "delay_relay.hpp"
 
 #include "eventually.hpp"
@@ -31,7 +31,7 @@ int open_socket()
 
 }  // namespace
 
-/// One direction of a connection. Blocking writes: nobody here stops reading.
+/// One direction of a connection. Blocking writes: all peers here keep reading.
 struct RelayedWay {
     struct Piece {
         Clock::time_point due;

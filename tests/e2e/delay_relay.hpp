@@ -1,5 +1,4 @@
-// A long way between two machines, inside one: what comes at an address goes on to another one after a while, both
-// ways.
+// Simulates a long path: forwards data from one address to another with a delay, in both directions.
 #pragma once
 
 #include "network_space.hpp"
@@ -10,7 +9,7 @@
 
 namespace hive::test {
 
-/// Lives in a network namespace, on a thread of its own, until it is destroyed. Throws std::runtime_error.
+/// Runs in a network namespace, on its own thread, until it is destroyed. Throws std::runtime_error.
 class DelayRelay {
 public:
     DelayRelay(const std::string& network_namespace, const NetworkAddress& at, const NetworkAddress& to,

@@ -1,6 +1,5 @@
-// The commands on the drones' pages, run as they stand there: every indented line of a README in drones/, a page at a
-// time, in the order of the page, in a swarm of its own. What has to be there first, and the few words that cannot be
-// as on the page, are in one list.
+// Runs the commands on the drones' pages unchanged: every indented line of a README in drones/, in order, each page in
+// its own swarm. One list has the preparations and the few replaced words.
 #include "free_port.hpp"
 #include "onnx_writer.hpp"
 #include "reader.hpp"
@@ -20,8 +19,8 @@ namespace fs = std::filesystem;
 
 struct Page {
     std::string folder;
-    std::string before;                                      ///< what the reader has done already, to its end
-    std::vector<std::pair<std::string, std::string>> other;  ///< words of the page, and those that stand for them here
+    std::string before;                                      ///< what the reader has done before
+    std::vector<std::pair<std::string, std::string>> other;  ///< words of the page, and their replacements
 };
 
 const std::string recording = "hivectl start camera; hivectl start face; hivectl connect camera face\n"

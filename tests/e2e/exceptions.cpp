@@ -1,4 +1,4 @@
-// What happens when a drone's code throws: halt takes nothing more until resumed, skip abandons one input and goes on.
+// Exceptions of a drone's code: halt stops taking events until resumed, skip abandons one input and continues.
 #include "measure.hpp"
 #include "status_sums.hpp"
 
@@ -139,7 +139,7 @@ TEST_CASE("policy: it can be changed while the drone runs, and halt by hand lets
                made = produced(application, "source");
     REQUIRE(eventually([&] { return produced(application, "source") > made + 20; }));
     CHECK(count(application, "worker", &hive::InputStatus::processed)
-          <= at_halt + 1);  // the one under way when it was told
+          <= at_halt + 1);  // the one in progress when it was halted
     swarm.hivectl_done({"resume", "worker"});
     CHECK(eventually([&] { return count(application, "worker", &hive::InputStatus::processed) > at_halt + 5; }));
 }

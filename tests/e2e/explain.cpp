@@ -1,4 +1,4 @@
-// hivectl explain: each fault is made for real, named with its evidence, and gone after the command that is proposed.
+// hivectl explain: each fault is caused for real, named with its evidence, and fixed by the proposed command.
 #include "explained.hpp"
 
 #include <hive/printable.hpp>
@@ -15,7 +15,7 @@ TEST_CASE("explain: a pipeline that runs is said to run, with rates")
 {
     const Swarm swarm;
     const auto source = swarm.drone("ticker", "source", {"fps=50"}), worker = swarm.drone("sleeper", "worker");
-    CHECK(found(swarm, "explain source").causes.empty() == false);  // nobody receives it
+    CHECK(found(swarm, "explain source").causes.empty() == false);  // it has no receivers
     CHECK(found(swarm, "explain source").exit_code == 0);
     swarm.hivectl_done({"connect", "source", "worker"});
     Found now;
@@ -64,7 +64,7 @@ TEST_CASE("explain: halted, suspended or killed, and of two faults the one neare
     CHECK_MESSAGE(killed.causes == "not_running worker", killed.text());
     CHECK(killed.command() == "hivectl start sleeper --as worker");
     CHECK(found(swarm, "explain").causes == "not_running worker");
-    cure(swarm, killed);  // it comes back with its connection
+    cure(swarm, killed);  // it restores its connection
     CHECK(eventually(runs));
     CHECK(found(swarm, "explain nobody").causes == "not_running nobody");
 }

@@ -1,4 +1,4 @@
-// hivectl explain: drones that die, hang or say nothing, each made for real and named.
+// hivectl explain: drones that crash, hang or are silent, each caused for real and named.
 #include "explained.hpp"
 
 #include <free_port.hpp>

@@ -1,4 +1,4 @@
-// What hivectl explain finds, and running what it proposes.
+// Runs hivectl explain, and the commands that it proposes.
 #pragma once
 
 #include "status_sums.hpp"
@@ -43,7 +43,7 @@ inline Found found(const Swarm& swarm, const std::string& words)
     return found;
 }
 
-/// Runs what is proposed for the first cause, as a user who pastes it.
+/// Runs the command for the first cause, as a user who pastes it.
 inline void cure(const Swarm& swarm, const Found& found)
 {
     const auto done = swarm.run({"/bin/sh", "-c", found.command()});

@@ -1,4 +1,4 @@
-// The input that a drone failed at is kept, shown, saved, and given to a fresh drone.
+// The input at which a drone failed is kept, shown, saved, and fed to a fresh drone.
 #include "swarm.hpp"
 
 #include <hive/application.hpp>
@@ -33,7 +33,7 @@ void connect(Application& application, const std::string& receiver, const std::s
     application.connect({"source", "tick"}, {receiver, input}, options);
 }
 
-/// Where fresh drones have their homes, for the programs that a test starts.
+/// The folder for homes of fresh drones, for the programs that a test starts.
 class OwnTemp {
 public:
     explicit OwnTemp(const Swarm& swarm) : path_(swarm.home() / "tmp")
@@ -58,7 +58,7 @@ private:
     std::filesystem::path path_;
 };
 
-/// The first one with at least this number. Of a stream it is not known exactly which it died of.
+/// The first one with at least this number. For a stream the exact event of the crash is unknown.
 const hive::Event& input_from(const hive::KeptFailure& failure, std::int64_t sequence)
 {
     for (const auto& event : failure.inputs)
@@ -214,7 +214,7 @@ TEST_CASE("failures: one that is suspended and cut off, and one that holds work 
     ::kill(silent.pid(), SIGKILL);
     CHECK(kept.at(0).code == "silent");
     input_from(kept.at(0), 5);
-    ::kill(late.pid(), SIGKILL);  // the same run: the same failure, told again
+    ::kill(late.pid(), SIGKILL);  // the same run: the same failure, reported again
     REQUIRE(eventually([&] { return application.failures("late").at(0).code == "died"; }));
     CHECK(application.failures("late").size() == 1);
     CHECK(application.failures("late").at(0).inputs.at(0).identity.sequence
@@ -286,7 +286,7 @@ TEST_CASE("rerun: another build, words before the drone, a kind that is said, an
     const auto program = swarm.program("hive-sleeper").string();
     CHECK(swarm.hivectl_done({"rerun", "victim", "how=none", "--under", "/usr/bin/env"}, 30s)
               .ends_with("victim did not fail: emitted 1 event\n"));
-    application.stop("victim");  // and what it was told is forgotten
+    application.stop("victim");  // and its saved state is discarded
     CHECK(swarm.hivectl({"rerun", "victim"}).exit_code == 3);
     CHECK(swarm.hivectl_done({"rerun", "victim", "--kind", "sleeper"}, 30s)
           == "victim did not fail: emitted 1 event\n");

@@ -1,4 +1,4 @@
-// Another machine without a network: a home that is reached by a program called ssh.
+// Simulates another machine without a network: a home reached by a fake ssh.
 #pragma once
 
 #include "swarm.hpp"
@@ -11,10 +11,10 @@
 
 namespace hive::test {
 
-/// A program called ssh that finds one machine: the other home. It keeps to the few words that hivectl says to ssh,
-/// and what runs there goes on when it is killed. me@gpu1 is sound; on me@gpu2 a drone called brief is killed as soon
-/// as it is ready; no drone of me@gpu3 is reached from here; me@gpu4 does not answer; me@gpu5 is sound and has its own
-/// key; on bare there is no hivectl. Each takes SSH_PAUSE seconds, where that is set.
+/// A fake ssh that reaches one machine: the other home. It supports only the arguments that hivectl uses, and remote
+/// programs keep running when it is killed. me@gpu1 works; on me@gpu2 a drone named brief is killed as soon as it is
+/// ready; no drone of me@gpu3 is reachable from here; me@gpu4 does not answer; me@gpu5 works and has its own key; bare
+/// has no hivectl. Each takes SSH_PAUSE seconds, if that is set.
 class FakeSsh {
 public:
     FakeSsh(const Swarm& here, const Swarm& there)
@@ -48,7 +48,7 @@ public:
                                "exit 255\n";
         std::filesystem::permissions(file, std::filesystem::perms::owner_all);
     }
-    /// The words that run hivectl here with this ssh.
+    /// The command that runs hivectl here with this ssh.
     [[nodiscard]] std::vector<std::string> words(const std::vector<std::string>& of_hivectl) const
     {
         std::vector<std::string> all{"/usr/bin/env", "PATH=" + path_, here_.program("hivectl").string()};

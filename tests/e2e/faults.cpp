@@ -1,4 +1,4 @@
-// Starting, names and sources that fail: nothing hangs, and every failure says what it was.
+// Failing starts, names and sources: nothing hangs, and every failure has its reason.
 #include "measure.hpp"
 #include "switched_off.hpp"
 
@@ -66,7 +66,7 @@ TEST_CASE("silence: when nothing came, the sender's own reason is told")
         auto all = words;
         all.insert(all.end(), {"--timeout", "2"});  // which is also the time to register
         std::string said;
-        CHECK_MESSAGE(eventually([&] {  // who does not answer within half a second has said nothing
+        CHECK_MESSAGE(eventually([&] {  // a drone that does not answer within half a second has printed nothing
                           const auto before = application.status("camera").condition;
                           const auto silent = swarm.hivectl(all);
                           said = silent.err;
@@ -91,7 +91,7 @@ TEST_CASE("names: a second drone of the same name is refused, and told which pro
     const auto started = swarm.hivectl({"start", "sleeper", "--as", "twin"});
     CHECK(started.exit_code == 1);
     CHECK(has(started.err, "twin is running already"));
-    CHECK(swarm.application().describe("twin").kind == "ticker");  // the first has not suffered
+    CHECK(swarm.application().describe("twin").kind == "ticker");  // the first is unaffected
 }
 
 TEST_CASE("names: of several names those that run are served, and exit code 8 names the one that does not")
@@ -328,7 +328,7 @@ TEST_CASE(
 
     fill(log);
     std::ofstream(swarm.home() / "ticker.state") << R"({"kind": "camera"})";  // which it mentions, and so cuts its log
-    const auto refused = swarm.hivectl({"start", "ticker", "fps=no"});        // its last words stand in what is left
+    const auto refused = swarm.hivectl({"start", "ticker", "fps=no"});        // the rest still has its last lines
     CHECK(refused.exit_code != 0);
     CHECK(std::filesystem::file_size(log) < 4096);
     CHECK(refused.err.find("fps") != std::string::npos);

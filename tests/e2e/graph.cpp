@@ -1,4 +1,4 @@
-// hivectl graph: what a swarm is made of, in each form.
+// hivectl graph: the drones and connections of a swarm, in each form.
 #include "swarm.hpp"
 
 #include <doctest/doctest.h>
@@ -68,7 +68,7 @@ TEST_CASE("graph: drones, connections, groups and applications, also while they 
     SUBCASE("Graphviz draws it")
     {
         const auto drawn = swarm.hivectl({"graph", "--as", "svg"});
-        if (drawn.exit_code == 3) {  // this machine has none
+        if (drawn.exit_code == 3) {  // this machine has no Graphviz
             CHECK_MESSAGE(has(drawn.err, "apt install graphviz"), drawn.err);
             return;
         }

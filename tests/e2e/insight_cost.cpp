@@ -1,4 +1,4 @@
-// What it costs a busy swarm to be watched by everything at once.
+// The cost of watching a busy swarm with all tools at once.
 #include "dash_server.hpp"
 #include "measure.hpp"
 
@@ -29,7 +29,7 @@ double processor_s(const Pids& pids)
     return ticks / static_cast<double>(::sysconf(_SC_CLK_TCK));
 }
 
-/// Metrics that are scraped and a page that is open, audit and exceptions that go on, and explain every three seconds.
+/// Scraped metrics, an open page, running audit and exceptions, and explain every three seconds.
 class Watchers {
 public:
     explicit Watchers(const Swarm& swarm) : page_(swarm)
@@ -112,11 +112,11 @@ TEST_CASE("watching: metrics, dash, audit, explain and exceptions at once cost a
     }
     MESSAGE("alone ", median(alone), " events/s; watched ", median(ratios), " of that, for ", 100 * median(costs),
             " % of the processors; load ", machine_load());
-    // What it changes is not told from what changes by itself.
+    // The change must not exceed the normal variation.
     const auto by_itself = *std::ranges::max_element(alone) / *std::ranges::min_element(alone) - 1;
     CHECK(median(ratios) > 0.99 - by_itself);
     CHECK(median(costs) < 0.02);
-    const auto answers = text_of(swarm.home() / "requests");  // they did watch
+    const auto answers = text_of(swarm.home() / "requests");  // they did run
     for (const auto* answer : {"hive_drone_up", "data: {", "\"outputs\"", "\"interface\""})
         CHECK_MESSAGE(has(answers, answer), answer);
     CHECK(has(swarm.log("audit"), "worker-3"));

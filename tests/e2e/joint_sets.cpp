@@ -1,4 +1,4 @@
-// Many who set the same drones at once, some of them interrupted or killed: what is confirmed holds on all drones.
+// Many applications set the same drones at once, some interrupted or killed: a confirmed set is valid on all drones.
 #include "measure.hpp"
 
 #include <hive/event/home.hpp>
@@ -24,7 +24,7 @@ std::uint64_t seed()
     return told ? std::stoull(told) : std::random_device{}();
 }
 
-/// A busy drone leaves time to start hivectl and to deal with it; hivectl itself waits for longer.
+/// A busy drone leaves time to start hivectl and to interrupt it; hivectl itself waits longer.
 constexpr auto busy_time = 6000ms;
 constexpr const char* longer = "20";
 
@@ -45,7 +45,7 @@ void make_busy(hive::Application& application, const std::string& drone)
     REQUIRE(eventually([&] { return application.status(drone).state == hive::State::busy; }));
 }
 
-/// The value of each drone, s1 first. A set that is being put back does not show.
+/// The value of each drone, s1 first. A set that is being reverted is invisible.
 std::vector<int> values(hive::Application& application, const std::string& parameter)
 {
     std::vector<int> found;
@@ -56,7 +56,7 @@ std::vector<int> values(hive::Application& application, const std::string& param
     return found;
 }
 
-/// Does another set hold the drone, so that it can be prepared by nobody else?
+/// Does another set block the drone, so that no other can prepare?
 bool is_locked(const Swarm& swarm, const std::string& drone)
 {
     auto other = swarm.application(50ms);
@@ -84,7 +84,7 @@ TEST_CASE("joint set: a Ctrl-C before all drones are prepared leaves them all as
     setter.signal(SIGINT);
     CHECK(setter.wait(patient(5000ms)) == 130);
     REQUIRE(eventually([&] { return application.status("s3").state == hive::State::idle; }));
-    CHECK(application.set("s3", {{"throw_at", 0}}) == Json{{"throw_at", 0}});  // behind whatever waited there
+    CHECK(application.set("s3", {{"throw_at", 0}}) == Json{{"throw_at", 0}});  // after everything queued there
     CHECK(values(application, "most_ms") == std::vector{600'000, 600'000, 600'000});
 }
 
@@ -135,7 +135,7 @@ TEST_CASE("joint set: a drone that is stopped before it is prepared leaves all a
     CHECK(exit_code == 4);
     CHECK(swarm.log("set").find("nothing has changed") != std::string::npos);
     for (const std::string drone : {"s1", "s2"})
-        CHECK(application.set(drone, {{"throw_at", 0}}) == Json{{"throw_at", 0}});  // behind whatever waited there
+        CHECK(application.set(drone, {{"throw_at", 0}}) == Json{{"throw_at", 0}});  // after everything queued there
     CHECK(values(application, "most_ms") == std::vector{600'000, 600'000});
 }
 
@@ -150,7 +150,7 @@ TEST_CASE("joint set: a commit that came in time counts, even if the drone was s
     REQUIRE(raw::text_of(prepared) == "");
     drones[0].signal(SIGSTOP);
     asker.send(raw::packet(raw::set, 0, R"({"id":70,"commit":7})"));
-    std::this_thread::sleep_for(deadline + 1100ms);  // also over the second for which the drone holds it
+    std::this_thread::sleep_for(deadline + 1100ms);  // longer than the second for which the drone holds it
     drones[0].signal(SIGCONT);
     const auto answer = asker.next_of(raw::confirmation);
     REQUIRE(answer.has_value());
@@ -213,7 +213,7 @@ TEST_CASE("joint set: many at once, with Ctrl-C and SIGKILL at random, end in on
         }
         for (auto& setter : setters)
             setter.exit_code = setter.process.wait(patient(20'000ms));
-        // Behind all that a killed one may have left: a plain set of nothing.
+        // An empty plain set, after everything that a killed one may have left.
         for (const auto& name : application.find("s*"))
             application.set(name, Json::object());
         const auto now = values(application, "most_ms");
@@ -231,7 +231,7 @@ TEST_CASE("joint set: many at once, with Ctrl-C and SIGKILL at random, end in on
         for (const auto& setter : setters) {
             REQUIRE(setter.exit_code.has_value());
             CAPTURE(*setter.exit_code);
-            // Killed ones may have got as far as the decision; what was refused or interrupted has changed nothing.
+            // Killed ones may have reached the decision; refused or interrupted ones have changed nothing.
             if (*setter.exit_code == 0 || *setter.exit_code == 128 + SIGKILL)
                 possible = possible || now.front() == setter.value;
             else

@@ -1,4 +1,4 @@
-// A swarm over TCP behind a key: made, handed over, used, changed, and what happens to those who have another.
+// A swarm over TCP with a key: creates, copies, uses and rotates the key, and tries another one.
 #include "swarm.hpp"
 
 #include <hive/event/module.hpp>
@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Gives the second machine a copy of a file of the first, as scp would.
+/// Copies a file of the first machine to the second, as scp would.
 void hand_over(const fs::path& file, const Swarm& to)
 {
     fs::create_directories(to.key_file().parent_path());
@@ -32,7 +32,7 @@ std::string tcp_address(const Swarm& swarm, const std::string& drone)
     return text.substr(begin + before.size(), text.find('\n', begin) - begin - before.size());
 }
 
-/// A module of another machine, which knows an address and perhaps a key.
+/// A module on another machine with an address and perhaps a key.
 class Stranger {
 public:
     explicit Stranger(const fs::path& key = {})
@@ -70,14 +70,14 @@ private:
 
 using hive::protocol::PacketType;
 
-/// Asks a counter to receive the ticker at an address.
+/// Makes a counter receive the ticker at an address.
 Json connection_to(const std::string& address)
 {
     return to_json(hive::protocol::Connect{
         .drone = "ticker", .output = "tick", .address = address, .input = "tick", .options = {}});
 }
 
-/// Has this receiver got something lately?
+/// Has this receiver got an event recently?
 std::int64_t received(const Swarm& swarm, const std::string& drone)
 {
     std::int64_t sum = 0;
@@ -125,7 +125,7 @@ TEST_CASE("keys: two machines with one key share a swarm over tcp, and nobody el
     const auto refusal = wrong.refusal(source);
     CHECK(refusal.code() == hive::Errc::not_permitted);
     CHECK(has(refusal.what(), "wrong swarm key"));
-    // Who is refused may know that before the drone has written it down.
+    // A refused peer may know that before the drone has logged it.
     CHECK(eventually([&] { return has(here.log("ticker"), "is not known here"); }));
     CHECK(eventually([&] { return has(here.log("ticker"), "without a key"); }));
 

@@ -1,4 +1,4 @@
-// Namespaces, links, and ssh as its user has set it up, without the files of the real user.
+// Creates namespaces, links, and an ssh configuration without the real user's files.
 #include "lab.hpp"
 
 #include <fstream>
@@ -17,7 +17,7 @@ void require_done(const Finished& done, const std::string& what)
         throw std::runtime_error(what + " exited with " + std::to_string(done.exit_code) + "\n" + done.out + done.err);
 }
 
-/// Where its programs look for the key is where its user would put it.
+/// Its programs search for the key at the user's default path.
 void make_home(const Swarm& swarm) { fs::create_directory_symlink(".config", swarm.home() / "config"); }
 
 }  // namespace
@@ -27,7 +27,7 @@ Namespace::Namespace(const Swarm& swarm, std::string name) : swarm_(swarm), name
     made_ = swarm_.run({"/usr/bin/env", "ip", "netns", "add", name_}).exit_code == 0;
 }
 
-/// What is still inside ends too: a session of sshd would wait there for the other end of its connection.
+/// Kills the processes inside, too: a session of sshd would wait for the other end of its connection.
 Namespace::~Namespace()
 {
     if (made_)
@@ -128,7 +128,7 @@ void Lab::run(const std::string& commands) const
     require_done(laptop_home_.run({"/bin/sh", "-ec", "cd " + directory().string() + "; " + commands}), commands);
 }
 
-/// Its sshd puts whoever comes in into the machine's own home, also for scp.
+/// Its sshd starts all sessions in the machine's own home, also for scp.
 void Lab::add(const std::string& name, const std::vector<std::string>& variables)
 {
     const auto number = static_cast<int>(machines_.size()) + 2;

@@ -1,5 +1,5 @@
-// A laptop and machines that it reaches through ssh, as network namespaces with an sshd in each. Root is needed, and
-// iproute2 and openssh-server.
+// A laptop and machines that it reaches over ssh, as network namespaces with an sshd each. Needs root, iproute2 and
+// openssh-server.
 #pragma once
 
 #include "swarm.hpp"
@@ -12,7 +12,7 @@ namespace hive::test {
 
 using Seconds = std::chrono::duration<double>;
 
-/// A network namespace, gone at the end.
+/// A network namespace, removed at the end.
 class Namespace {
 public:
     Namespace(const Swarm& swarm, std::string name);
@@ -22,7 +22,7 @@ public:
 
     [[nodiscard]] bool made() const { return made_; }
     [[nodiscard]] const std::string& name() const { return name_; }
-    /// The words of a command that is run inside.
+    /// The command that runs a command inside.
     [[nodiscard]] std::vector<std::string> inside(const std::vector<std::string>& words) const;
     void run(const std::string& commands) const;
 
@@ -32,10 +32,10 @@ private:
     bool made_ = false;
 };
 
-/// A machine with a home of its own and an address that the others reach.
+/// A machine with its own home and an address reachable by the others.
 struct Machine {
     Machine(const Namespace& hub, const std::string& name, int number);
-    /// Runs hivectl on it, which must succeed; what it starts stays there.
+    /// Runs hivectl on it, which must succeed; started drones keep running.
     void hivectl_done(const std::string& words) const { net.run(swarm.program("hivectl").string() + " " + words); }
 
     Swarm swarm;
@@ -43,30 +43,30 @@ struct Machine {
     std::string address;
 };
 
-/// What this machine cannot do, or nothing.
+/// What this machine lacks, or nothing.
 std::string missing_for_lab();
 
 class Lab {
 public:
-    /// @param variables  "NAME=value" for whatever is run on the machines through ssh
+    /// @param variables  "NAME=value" for commands on the machines over ssh
     explicit Lab(const std::vector<std::string>& names, const std::vector<std::string>& variables = {});
 
-    /// A line of a shell on the laptop, with hivectl, ssh and scp in its path and a home without anything.
+    /// Runs a shell command on the laptop, with hivectl, ssh and scp in its path and an empty home.
     [[nodiscard]] Finished shell(const std::string& line, Milliseconds patience = Milliseconds(60'000)) const;
     std::string shell_done(const std::string& line) const;
     std::string hivectl_done(const std::string& words) const { return shell_done("hivectl " + words); }
-    /// hivectl on the laptop, beside the test: what it prints goes to NAME.log in directory().
+    /// Runs hivectl on the laptop in the background; its output goes to NAME.log in directory().
     [[nodiscard]] Process hivectl_running(const std::string& words, const std::string& name) const;
-    /// Makes a key and gives it to all.
+    /// Creates a key and copies it to all.
     void share_key() const;
-    /// Takes a machine off the network, and puts it back.
+    /// Disconnects a machine from the network, and reconnects it.
     void cut(std::size_t machine) const { hub_.run("ip link set " + link_of(machine) + " down"); }
     void mend(std::size_t machine) const { hub_.run("ip link set " + link_of(machine) + " up"); }
-    /// What goes from one machine to another vanishes, and nobody is told; and comes through again.
+    /// Drops packets from one machine to another silently, and ends that.
     void swallow(std::size_t from, std::size_t to) const { hub_.run("ip rule add " + way(from, to)); }
     void let_through(std::size_t from, std::size_t to) const { hub_.run("ip rule delete " + way(from, to)); }
     [[nodiscard]] const Swarm& laptop() const { return laptop_->swarm; }
-    /// The namespace in the middle, to which all are linked.
+    /// The central namespace, to which all are linked.
     [[nodiscard]] const std::string& hub() const { return hub_.name(); }
     [[nodiscard]] const Machine& machine(std::size_t index) const { return *machines_.at(index); }
     [[nodiscard]] std::filesystem::path directory() const { return laptop_home_.home(); }

@@ -1,4 +1,4 @@
-// A bridge with namespaces around it, and the two daemons in each.
+// A bridge with namespaces, each with the two daemons.
 #include "lan.hpp"
 
 #include <fstream>
@@ -41,7 +41,7 @@ Neighbour::Neighbour(const Namespace& lan, const std::string& name, int number)
         throw std::runtime_error("dbus-daemon does not start\n" + text_of(swarm_.home() / "bus.log"));
 }
 
-/// Its files are in a /run and an /etc/avahi/services of its own: `ip netns exec` gives it its own mounts.
+/// It has its own /run and /etc/avahi/services: `ip netns exec` creates separate mounts.
 void Neighbour::start_daemon()
 {
     fs::remove(daemon_log());

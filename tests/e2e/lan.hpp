@@ -1,5 +1,5 @@
-// Machines on one local network, each with a system bus and an Avahi daemon of its own. Root is needed, and iproute2,
-// dbus and avahi-daemon.
+// Machines on one local network, each with its own system bus and Avahi daemon. Needs root, iproute2, dbus and
+// avahi-daemon.
 #pragma once
 
 #include "lab.hpp"
@@ -18,24 +18,24 @@ public:
 
     [[nodiscard]] const std::string& address() const { return address_; }
     [[nodiscard]] const Swarm& swarm() const { return swarm_; }
-    /// A program on it; hivectl in its own home, or in that of another swarm.
+    /// Runs a program on it; hivectl in its own home, or in that of another swarm.
     [[nodiscard]] Finished run(const std::vector<std::string>& words) const { return run_in(swarm_, words); }
     [[nodiscard]] Finished run_in(const Swarm& home, const std::vector<std::string>& words) const;
-    /// hivectl, which must succeed. @return what it printed
+    /// Runs hivectl, which must succeed. @return its output
     std::string hivectl(const std::vector<std::string>& words) const { return hivectl_in(swarm_, words); }
     std::string hivectl_in(const Swarm& home, std::vector<std::string> words) const;
     void start_daemon();
-    /// hivectl beside the test; what it prints goes to NAME.log in the home.
+    /// Runs hivectl in the background; its output goes to NAME.log in the home.
     [[nodiscard]] Process hivectl_running(std::vector<std::string> words, const std::string& name) const;
-    /// Returns when it answers; what others announced may come later.
+    /// Returns when it answers; announcements of others may arrive later.
     void await_daemon() const;
     void kill_daemon() { daemon_.reset(); }
     /// SIGSTOP, SIGCONT.
     void signal_daemon(int number) const { daemon_.value().signal(number); }
     void signal_bus(int number) const { bus_.value().signal(number); }
-    /// Takes it off the network, without a word to the others.
+    /// Disconnects it from the network without notifying the others.
     void cut() const { net_.run("ip link set lan down"); }
-    /// What the daemon announces beside: files of /etc/avahi/services. Before start_daemon().
+    /// Additional announcements of the daemon: files of /etc/avahi/services. Before start_daemon().
     [[nodiscard]] std::filesystem::path services() const { return swarm_.home() / "services"; }
 
 private:
@@ -50,7 +50,7 @@ private:
     std::optional<Process> bus_, daemon_;
 };
 
-/// What this machine cannot do, or nothing.
+/// What this machine lacks, or nothing.
 std::string missing_for_lan();
 
 class Lan {
@@ -58,7 +58,7 @@ public:
     explicit Lan(const std::vector<std::string>& names);
 
     [[nodiscard]] Neighbour& operator[](std::size_t index) const { return *machines_.at(index); }
-    /// The key of the first, made when it is not there, for another home.
+    /// Copies the key of the first machine, created if missing, to another home.
     void share_key(const Swarm& to) const;
 
 private:

@@ -1,4 +1,4 @@
-// Chance and time.
+// Draws the fate of each packet at random, and queues it until its arrival.
 #include "line.hpp"
 
 #include <algorithm>
@@ -6,7 +6,7 @@
 namespace hive::test {
 namespace {
 
-constexpr std::size_t headers = 52;  // IPv4 and TCP with time stamps: damage is for what they carry
+constexpr std::size_t headers = 52;  // IPv4 and TCP with time stamps: only their payload is damaged
 
 }  // namespace
 
@@ -50,7 +50,7 @@ void Line::damage(Packet& packet, LineQuality::Damage how)
         std::swap_ranges(one, one + 2, other);
 }
 
-/// When the line has sent it; nothing when too much waits already.
+/// When the line has sent it; nothing if the buffer is full.
 std::optional<Line::TimePoint> Line::leaves(std::size_t bytes, const LineQuality& quality, TimePoint now)
 {
     if (quality.megabits <= 0)

@@ -1,5 +1,5 @@
-// What a bad line makes of packets: which of them arrive, how often, when, and how damaged. Pure logic: the caller has
-// the clock and the sockets.
+// Simulates a bad line: which packets arrive, how often, when, and with which damage. Pure logic: the caller has the
+// clock and the sockets.
 #pragma once
 
 #include <chrono>
@@ -11,18 +11,18 @@
 
 namespace hive::test {
 
-/// How bad a line is, one way. Shares of packets are from 0 to 1.
+/// The quality of a line in one direction. Shares of packets are from 0 to 1.
 struct LineQuality {
     enum class Damage {
-        bit,   ///< one bit is another: TCP's checksum sees it, so the packet is as good as lost
-        words  ///< two words have changed places: TCP's checksum is the same, as with bad memory in a router
+        bit,   ///< one flipped bit: TCP's checksum detects it, so the packet counts as lost
+        words  ///< two swapped words: TCP's checksum stays equal, as with bad memory in a router
     };
     std::chrono::microseconds delay{0};
-    std::chrono::microseconds jitter{0};  ///< each packet takes up to so much more or less: they overtake each other
+    std::chrono::microseconds jitter{0};  ///< each packet takes up to this much more or less: they may overtake
     double loss = 0, duplication = 0, corruption = 0;
     Damage damage = Damage::bit;
     double megabits = 0;                   ///< a second; 0: no limit
-    std::size_t buffer_bytes = 64 * 1024;  ///< what may wait where the rate is limited; more is lost
+    std::size_t buffer_bytes = 64 * 1024;  ///< queue of a rate limit; more is lost
     bool operator==(const LineQuality&) const = default;
 };
 
@@ -40,7 +40,7 @@ public:
     void come(Packet packet, const LineQuality& quality, TimePoint now);
     /// The next packet that has arrived by now.
     std::optional<Packet> arrived(TimePoint now);
-    /// When the next one arrives, if one is under way.
+    /// When the next one arrives, if one is in flight.
     [[nodiscard]] std::optional<TimePoint> next() const;
     [[nodiscard]] const LineCounts& counts() const { return counts_; }
 
@@ -55,7 +55,7 @@ private:
 
     std::mt19937_64 random_;
     std::multimap<TimePoint, Packet> under_way_;
-    TimePoint free_{};  ///< when the line has sent what came before
+    TimePoint free_{};  ///< when the line has sent all earlier packets
     LineCounts counts_;
 };
 

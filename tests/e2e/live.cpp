@@ -1,4 +1,5 @@
-// Live cameras: nobody's slowness costs anybody else, nothing is sent that nobody can process, and watching is free.
+// Live cameras: a slow receiver does not affect others, no receiver gets more than it can process, and watching is
+// free.
 #include "measure.hpp"
 #include "status_sums.hpp"
 
@@ -14,7 +15,7 @@ using hive::Json;
 
 namespace {
 
-/// Between two results, in seconds: the median, which is the same when a moment of the machine is missing.
+/// Time between two results, in seconds: the median, which is robust against stalls of the machine.
 double gap_of(const std::vector<Clock::time_point>& times)
 {
     if (times.size() < 3)
@@ -25,8 +26,7 @@ double gap_of(const std::vector<Clock::time_point>& times)
     return median(std::move(gaps));
 }
 
-/// How old the event was when the worker began with it: its age when the work was done, less what it waited and took
-/// there.
+/// The age of the event at its arrival: its age after processing, minus its waiting and processing time.
 double age_at_arrival_ms(const hive::Event& result)
 {
     const auto& hop = result.identity.hops.back();
@@ -44,7 +44,7 @@ TEST_CASE(
     auto application = swarm.application();
     const auto collector = application.collect({{"worker", "result"}});
     application.connect({"camera", ""}, {"worker", ""});
-    std::vector<double> at_once;  // ages of what nothing was waiting for: what it takes to draw, encode and send one
+    std::vector<double> at_once;  // ages of events with no earlier one waiting: the time to draw, encode and send one
     for (int i = 0; i < 30; ++i) {
         const auto result = collector->next(patient(5000ms));
         REQUIRE(result);
@@ -83,8 +83,8 @@ TEST_CASE(
         return;
     CHECK(median(made) > 0.95 * 30);
     CHECK(median(sent) > 9);
-    // The newest is at most one period old, and what it takes to draw, encode and send it; the one before it is a
-    // period older.
+    // The newest is at most one period old, plus the time to draw, encode and send it; the one before is a period
+    // older.
     CHECK(median(middle) < 1000.0 / 30 + 10 + cost);
     CHECK(median(most) < 1000.0 / 30 + 20 + cost);
 }
@@ -125,7 +125,7 @@ TEST_CASE("slow receivers: at 30, 10 and 1 fps and one stopped, each keeps its o
         keeps_its_rate("slowest", 1);
         CHECK(grown <= 4 * 2 * picture);
     }
-    // It goes on by itself when it goes on.
+    // It recovers by itself when it continues.
     const auto done = [&] { return at_inputs(application.status("stopped"), &hive::InputStatus::processed); };
     const auto at_stop = done();
     CHECK(eventually([&] { return done() > at_stop + 2; }));
@@ -155,7 +155,7 @@ TEST_CASE(
         }
         return tops;
     };
-    // With and without take turns, and each pair is compared, so that what else the machine does meets both alike.
+    // Alternates runs with and without, and compares pairs, so that other load affects both equally.
     std::vector<double> alone, watched, ratio;
     for (int round = 0; round < 9; ++round) {
         rate(*collector, 1, 5);
@@ -173,7 +173,7 @@ TEST_CASE(
     }
     MESSAGE("alone ", median(alone), ", watched ", median(watched), " events/s, median of their ratios ", median(ratio),
             " (9 rounds)");
-    // What it changes is not told from what changes by itself.
+    // The change must not exceed the normal variation.
     std::vector<double> by_itself;
     for (std::size_t i = 1; i < alone.size(); ++i)
         by_itself.push_back(std::abs(alone[i] / alone[i - 1] - 1));
@@ -207,7 +207,7 @@ TEST_CASE("replace: of a camera of 30 fps that a face finder works on, at most t
         const auto end = Clock::now() + time;
         return longest_gap([&] { return Clock::now() >= end; });
     };
-    for (const double fps : {30.0, 15.0, 8.0}) {  // as fast as this machine finds faces in all pictures
+    for (const double fps : {30.0, 15.0, 8.0}) {  // as fast as this machine finds faces in all frames
         application.set("camera", {{"fps", fps}});
         gap_within(700ms);
         const auto missing = gap_within(1500ms);

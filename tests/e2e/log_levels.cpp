@@ -20,7 +20,7 @@ struct Line {
     const char *level, *text;
 };
 
-/// All that happens to the worker, in the order in which it happens.
+/// All events of the worker, in order.
 constexpr std::array life{Line{"info", "started"},
                           Line{"warning", "refused image from source.nothing: "},
                           Line{"debug", "connected image from source.tick"},
@@ -57,7 +57,7 @@ std::size_t times(const std::vector<std::string>& lines, const Line& wanted)
         }));
 }
 
-/// Leads the worker through its life and returns the lines of its log.
+/// Runs the worker through these events and returns the lines of its log.
 std::vector<std::string> live(const std::string& level)
 {
     const Swarm swarm;

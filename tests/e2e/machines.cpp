@@ -1,5 +1,5 @@
-// The commands of README's "Several machines" between machines: network namespaces, each with an sshd of its own. Root
-// is needed, and iproute2 and openssh-server; where that is not to be had, the tests say so and end.
+// The commands of README's "Several machines" between machines: network namespaces, each with its own sshd. Needs root,
+// iproute2 and openssh-server; otherwise the tests are skipped.
 #include "delay_relay.hpp"
 #include "lab.hpp"
 #include "reader.hpp"
@@ -84,7 +84,7 @@ TEST_CASE("machines: a camera and two workers on three machines, wired and colle
         CHECK(edge.at("from_host") == "cam1");
         CHECK(edge.at("to_host") == (edge.at("to") == "face-1.image" ? "gpu1" : "gpu2"));
         CHECK(edge.at("round_trip_us").get<std::int64_t>() > 0);
-        // One clock for all namespaces: what is measured is the error.
+        // One clock for all namespaces, so the measured offset is the error.
         CHECK(std::abs(edge.at("clock_offset_us").get<std::int64_t>()) < 100'000);
     }
     CHECK(has(lab.hivectl_done("logs face-1"), "listening on tcp://"));
@@ -124,7 +124,7 @@ TEST_CASE("machines: a long way is measured, and a larger window lets more throu
     lab.share_key();
     lab.hivectl_done("start ticker --on cam1 fps=200");
     lab.hivectl_done("start sleeper --on gpu1");
-    // Far away is where the hub has it: 50 ms there and 50 ms back.
+    // Far away: 50 ms in each direction at the hub.
     const DelayRelay relay(lab.hub(), {"10.77.2.1", 7700}, {lab.machine(0).address, 7700}, 50ms);
     lab.hivectl_done("place remove ticker");
     lab.hivectl_done("place add ticker tcp://10.77.2.1:7700");
@@ -138,7 +138,7 @@ TEST_CASE("machines: a long way is measured, and a larger window lets more throu
     const auto edges = lab.shell("hivectl connections");
     CHECK_MESSAGE(has(edges.err, "hivectl connect ticker.tick sleeper.image --window "), edges.err);
     const auto rate = [&](int events) {
-        const auto begin = Clock::now();  // before it is asked: what comes meanwhile is not counted
+        const auto begin = Clock::now();  // before the query: later events are not counted
         const auto before = input().received;
         auto now = before;
         REQUIRE(eventually([&] { return (now = input().received) >= before + events; }, 10'000ms));

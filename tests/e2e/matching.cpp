@@ -1,4 +1,4 @@
-// Events of several inputs brought together: the annotate drone, applications and hivectl collect.
+// Matching events of several inputs: the annotate drone, applications and hivectl collect.
 #include "measure.hpp"
 
 #include <doctest/doctest.h>
@@ -26,8 +26,7 @@ bool framed(const hive::Event& picture, const Json& box)
     return pixel[0] == 60 && pixel[1] == 220 && pixel[2] == 60;
 }
 
-/// A camera on demand that gives nothing before all is connected, faces found in its pictures, and both brought
-/// together.
+/// A camera on demand that waits until all is connected, a face drone, and a match of both.
 class AnnotateSwarm {
 public:
     explicit AnnotateSwarm(int workers = 1, const std::vector<std::string>& camera = {"pace=demand", "width=320"})
@@ -92,7 +91,7 @@ TEST_CASE("annotate: on demand with two workers that share, one of them killed, 
         REQUIRE(picture);
         REQUIRE(seen.insert(picture->identity.sequence).second);
     }
-    // What is missing below the last is still on its way, and comes.
+    // Missing ones before the last are still in flight, and arrive.
     while (*seen.rbegin() > static_cast<std::int64_t>(seen.size()) + 2) {
         const auto picture = swarm.annotated->next(patient(10'000ms));
         REQUIRE(picture);
@@ -152,7 +151,7 @@ TEST_CASE("matched: an application gets sets of a source and a worker that leave
     for (std::int64_t expected = 1; expected <= 60; ++expected) {
         if (expected == 20)
             continue;
-        const auto set = collector->next(stated(3500ms));  // less than a matcher's patience
+        const auto set = collector->next(stated(3500ms));  // shorter than a matcher's timeout
         REQUIRE_MESSAGE(set, "no set ", expected);
         REQUIRE(set->size() == 2);
         CHECK(set->at(0).input == "source.tick");

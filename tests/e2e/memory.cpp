@@ -1,5 +1,5 @@
-// Shared memory between drones: bodies go by reference, shortage and hoarders cost speed but no event, the dead leave
-// nothing.
+// Shared memory between drones: bodies are passed by reference; shortage and receivers that keep memory cost speed but
+// no event; crashed drones leave nothing behind.
 #include "measure.hpp"
 
 #include <doctest/doctest.h>
@@ -68,7 +68,7 @@ rlim_t addresses_in_use()
     return pages * static_cast<rlim_t>(::sysconf(_SC_PAGESIZE));
 }
 
-/// However late this process is, what is on its way to it does not use up the memory of the sender.
+/// Even if this process is late, events in flight to it do not use up the sender's memory.
 const hive::CollectOptions few_on_the_way{.connection = {.window = 8, .group = {}, .lease = {}}};
 
 /// Takes a hundred lossless events; all are whole and in order.
@@ -115,11 +115,11 @@ TEST_CASE("memory: when memory is short the bodies go through the socket, counte
 TEST_CASE("memory: a receiver that cannot map what is shared comes back and gets the bodies through the socket")
 {
     if (!possible(missing_if_sanitized()))
-        return;  // a sanitizer uses addresses as it likes
+        return;  // a sanitizer reserves many addresses
     const Swarm swarm;
     const auto source = swarm.drone("ticker", "source", {"pace=demand", "bytes=1000000"});
     auto application = swarm.application();
-    const Limit no_room(RLIMIT_AS, addresses_in_use() + 16 * megabyte);  // bodies fit in, a segment does not
+    const Limit no_room(RLIMIT_AS, addresses_in_use() + 16 * megabyte);  // room for bodies, but not for a segment
     const auto collector = application.collect({{"source", "tick"}});
     int intact = 0;
     std::int64_t before = 0;

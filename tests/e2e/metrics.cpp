@@ -1,4 +1,4 @@
-// hivectl metrics: what Prometheus reads of a swarm, printed and over HTTP, is what the drones count.
+// hivectl metrics: the metrics for Prometheus, printed and over HTTP, match the counters of the drones.
 #include "swarm.hpp"
 
 #include <doctest/doctest.h>
@@ -25,7 +25,7 @@ std::optional<double> value(const std::string& text, const std::string& sample)
     return std::nullopt;
 }
 
-/// A source, a receiver, a group, and what each has: skipped events, exceptions, an application.
+/// A source, a receiver and a group, with skipped events, exceptions and an application.
 struct Busy {
     Busy()
     {
@@ -157,7 +157,7 @@ TEST_CASE("metrics: a drone that is killed or hangs is down, and what it counts 
     const auto began = std::chrono::steady_clock::now();
     const auto text = busy.metrics();
     CHECK(std::chrono::steady_clock::now() - began
-          < patient(3'000ms));  // the answer that is missing is awaited for 1 s
+          < patient(3'000ms));  // hivectl metrics waits 1 s for the missing answer
     for (const auto& [drone, up] : {std::pair{"source", 1}, std::pair{"one", 0}, std::pair{"two", 0}})
         CHECK_MESSAGE(value(text, "hive_drone_up{drone=\"" + std::string(drone) + "\",host=\"local\"}") == up, text);
     CHECK_FALSE(value(text, R"(hive_drone_start_time_seconds{drone="two"})"));
@@ -221,7 +221,7 @@ TEST_CASE("metrics: other machines read only with the token, unless all may")
     const Scraped scraped(swarm, {"--token-file", file.string()}, "0.0.0.0:");
     CHECK(has(scraped.get("/metrics"), "401"));
     CHECK(has(scraped.get("/metrics", {"Authorization: Bearer wrong"}), "401"));
-    CHECK(has(scraped.get("/metrics?token=secret"), "401"));  // addresses are logged on the way
+    CHECK(has(scraped.get("/metrics?token=secret"), "401"));  // proxies log addresses
     CHECK(has(scraped.get("/metrics", {"Authorization: Bearer secret", "Host: metrics:9464"}), "\n200 text/plain"));
     const Scraped insecure(swarm, {"--insecure"}, "0.0.0.0:");
     CHECK(has(insecure.get("/metrics", {"Host: metrics:9464"}), "\n200 text/plain"));

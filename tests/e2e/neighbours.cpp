@@ -1,5 +1,5 @@
-// Drones that are found by what they announce on the local network, with the real daemons: namespaces on a bridge, each
-// with a system bus and an Avahi daemon. Where that is not to be had, the tests say so and end.
+// Drones discovered on the local network, with the real daemons: namespaces on a bridge, each with a system bus and an
+// Avahi daemon. Without these the tests are skipped.
 #include "lan.hpp"
 
 #include <doctest/doctest.h>
@@ -46,7 +46,7 @@ Words start(const std::string& kind, const Words& more = {})
     return words;
 }
 
-/// They are of one swarm, and have their daemons.
+/// Machines of one swarm, with their daemons.
 void begin(const Lan& lan, const std::vector<std::size_t>& machines)
 {
     for (const auto i : machines) {
@@ -74,7 +74,7 @@ TEST_CASE("neighbours: a drone of another machine is found by its name alone, an
     laptop.hivectl({"start", "sleeper"});
     auto waiting = laptop.hivectl_running({"wait", "ticker", "--timeout", "30"}, "wait");
     cam1.hivectl(start("ticker", {"fps=50"}));
-    CHECK_MESSAGE(waiting.wait(patient(30'000ms)) == 0, laptop.swarm().log("wait"));  // it is told what is new
+    CHECK_MESSAGE(waiting.wait(patient(30'000ms)) == 0, laptop.swarm().log("wait"));  // it is notified of new ones
     REQUIRE(eventually([&] { return shows(laptop, "ticker", "cam1"); }, 10'000ms));
     CHECK(shows(cam1, "ticker", "local"));  // announced, and still there once
     CHECK(laptop.hivectl({"place", "list", "--json"}) == "[]\n");
@@ -91,7 +91,7 @@ TEST_CASE("neighbours: a drone of another machine is found by its name alone, an
     CHECK(second.exit_code != 0);
     CHECK_MESSAGE(has(second.err, "ticker is running already, at tcp://" + cam1.address()), second.err);
     laptop.hivectl({"place", "add", "ticker", "tcp://" + cam1.address() + ":7700"});
-    CHECK(shows(laptop, "ticker", cam1.address()));  // the list says how it is called here
+    CHECK(shows(laptop, "ticker", cam1.address()));  // the list has its name here
     laptop.hivectl({"place", "remove", "ticker"});
     laptop.hivectl({"stop", "--all"});
     CHECK(shows_nothing_of(laptop, "sleeper"));
@@ -188,14 +188,14 @@ TEST_CASE("neighbours: a machine that has vanished, and a daemon or a bus that h
         laptop.hivectl(start("counter"));
     }
     CHECK(eventually([&] { return shows(lan[2], "counter", "laptop"); }, 15'000ms));
-    laptop.hivectl({"ps"});  // which remembers that it has listened
+    laptop.hivectl({"ps"});  // which records that it has listened
     cam1.cut();
     const auto at = Clock::now();
     std::map<std::string, std::string> states;
     for (const auto& row : rows(laptop))
         states[row.at("name")] = row.at("state");
     CHECK(Clock::now() - at < patient(4'000ms));
-    CHECK((!states.contains("ticker") || states["ticker"] == "unreachable"));  // until the daemon here has noticed, too
+    CHECK((!states.contains("ticker") || states["ticker"] == "unreachable"));  // until the daemon here detects it
     CHECK(states["sleeper"] == "idle");
     CHECK(states["counter"] == "idle");
 }
@@ -207,7 +207,7 @@ TEST_CASE("neighbours: two drones of one name on two machines are called by thei
     const Lan lan({"laptop", "cam1", "cam2"});
     for (const std::size_t i : {0, 1, 2})
         lan.share_key(lan[i].swarm());
-    for (const std::size_t i : {1, 2})  // before they can know of each other
+    for (const std::size_t i : {1, 2})  // before they can discover each other
         lan[i].hivectl(start("ticker", {"fps=" + std::to_string(10 * i)}));
     for (const std::size_t i : {0, 1, 2})
         lan[i].start_daemon();
@@ -235,7 +235,7 @@ void announce_falsely(const Neighbour& stranger, int number, const Words& txt)
     file << "</service></service-group>\n";
 }
 
-/// What a drone announces, as anybody on the network may read it.
+/// The announcement of a drone, as any machine on the network can read it.
 Words txt_of(const Neighbour& machine, const std::string& drone)
 {
     const auto seen = machine.run({"avahi-browse", "-rpt", "_hive._tcp"}).out;
@@ -253,7 +253,7 @@ Words txt_of(const Neighbour& machine, const std::string& drone)
     return txt;
 }
 
-/// A daemon that tells all that it knows, but takes its time: it runs for a part of each moment only.
+/// A daemon that answers correctly but slowly: it runs only part of the time.
 class Slowed {
 public:
     Slowed(const Neighbour& machine, Milliseconds pause)
@@ -314,7 +314,7 @@ TEST_CASE("neighbours: a hundred false announcements of a stranger show nothing 
     const auto arrived = [&] { return has(laptop.run({"avahi-browse", "-pt", "_hive._tcp"}).out, "false\\03299"); };
     if (!genuine.empty())
         REQUIRE(eventually(arrived, 15'000ms));
-    const auto only_ticker = [&] {  // or nothing, when the daemon has to ask for it anew while both cores are busy
+    const auto only_ticker = [&] {  // or nothing, if the daemon must query again while both cores are busy
         const auto all = rows(laptop);
         for (const auto& row : all)
             CHECK_MESSAGE(row.at("name") == "ticker", all.dump());

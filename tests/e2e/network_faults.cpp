@@ -1,4 +1,4 @@
-// Networks that fail in the middle of work, and come back. Slow, since each failure has to be noticed first.
+// Networks that fail during work, and recover. Slow, because each failure must be detected first.
 #include "bad_link.hpp"
 #include "lab.hpp"
 
@@ -14,7 +14,7 @@ using hive::Json;
 
 namespace {
 
-/// A source on demand on one machine, a worker on the next, and its results on the laptop; all behind a key.
+/// A source on demand on one machine, a worker on the next, and its results on the laptop; all with a key.
 class Chain {
 public:
     explicit Chain(const std::vector<std::string>& variables = {}) : lab_({"cam1", "gpu1"}, variables)
@@ -30,8 +30,8 @@ public:
     [[nodiscard]] const Lab& lab() const { return lab_; }
     [[nodiscard]] hive::InputStatus input() { return application_.status("sleeper").inputs.at(0); }
 
-    /// Breaks the network between the two in the middle of work until that is noticed. Returns how long it took to be
-    /// noticed, and from the mending on until there was a connection again.
+    /// Breaks the network between the two during work until that is detected. Returns the time until detection, and
+    /// from the repair until the reconnection.
     std::pair<Seconds, Seconds> survive(const std::function<void()>& breaks, const std::function<void()>& mends)
     {
         const auto before = input().received;
@@ -46,10 +46,10 @@ public:
         return {noticed, Clock::now() - mended};
     }
 
-    /// What the source has given.
+    /// The number of events of the source.
     [[nodiscard]] std::int64_t given() { return at_source_.status("ticker").outputs.at(0).produced; }
 
-    /// Numbers of the events whose results came, when the source has come to its end, which is now near.
+    /// Numbers of the events with results once the source has ended, which is soon.
     std::vector<std::int64_t> finished()
     {
         lab_.hivectl_done("set ticker count=" + std::to_string(given() + 50));
@@ -69,7 +69,7 @@ private:
     std::optional<Process> results_;
 };
 
-/// Nearly all took less than what is promised: each stall of the machine may have met one of them.
+/// Nearly all took less than the promised time: each stall of the machine may have affected one.
 void check_most(std::vector<double> seconds, Milliseconds promised)
 {
     std::ranges::sort(seconds);
@@ -78,7 +78,7 @@ void check_most(std::vector<double> seconds, Milliseconds promised)
     CHECK(seconds.back() < Seconds(patient(10'000ms)).count());
 }
 
-/// Breaks the network again and again: each time that is noticed in time, and so is its mending.
+/// Breaks the network repeatedly: each time the break and the repair are detected in time.
 void check_survives(Chain& chain, int times, const std::function<void()>& breaks, const std::function<void()>& mends)
 {
     std::vector<double> noticed, back;

@@ -1,4 +1,4 @@
-// How long whole commands take in a swarm of several machines.
+// Measures whole commands in a swarm of several machines.
 #include "lab.hpp"
 #include "measure.hpp"
 
@@ -26,11 +26,11 @@ double median_ms_of(const Lab& lab, const std::string& words, int times)
     return median(std::move(took));
 }
 
-/// What one swarm of a camera and two workers that share it finds, in order, per second.
-/// @param places  the words that put the camera and the workers on their machines
+/// Results per second, in order, of a camera and two workers that share it.
+/// @param places  the arguments that place the camera and the workers on their machines
 double rate_of_two_workers(const Lab& lab, const std::array<std::string, 3>& places, int images)
 {
-    constexpr int before = 10;  // not counted: everything is still filling
+    constexpr int before = 10;  // not counted: queues are still filling
     lab.hivectl_done("start camera pace=demand " + places[0]);
     for (const int worker : {1, 2})
         lab.hivectl_done("start face scale=1.05 --as face-" + std::to_string(worker) + " " + places.at(worker));
@@ -61,7 +61,7 @@ TEST_CASE("network figures: two workers on machines of their own, beside the sam
     lab.share_key();
     const char* told = std::getenv("HIVE_TEST_ROUNDS");
     const int rounds = told ? std::stoi(told) : 6;     // one is enough if it is good, unless one wants to know
-    constexpr double promised = 0.97, at_least = 0.8;  // of the best round; of the median, whatever others do
+    constexpr double promised = 0.97, at_least = 0.8;  // of the best round; of the median, even on a busy machine
     constexpr int images = sanitized() ? 10 : 30;
     std::vector<double> here, there, ratios;
     while (std::ssize(ratios) < rounds
@@ -97,7 +97,7 @@ TEST_CASE("network figures: set across machines, and ps of 64 drones on four mac
 
     constexpr double set_promised = 40, ps_promised = 150;
     double set = 1e9, ps = 1e9;
-    for (int i = 0; i < 3 && (set >= set_promised || ps >= ps_promised); ++i) {  // others may be at work
+    for (int i = 0; i < 3 && (set >= set_promised || ps >= ps_promised); ++i) {  // the machine may be busy
         set = std::min(set, median_ms_of(lab, "set m1-0 fps=2", 41));
         ps = std::min(ps, median_ms_of(lab, "ps", 21));
     }

@@ -1,4 +1,4 @@
-// Host names across machines when the server that knows them is silent, and when a name moves.
+// Host names across machines with a silent name server, and with a name that moves.
 #include "bad_link.hpp"
 #include "lab.hpp"
 
@@ -14,7 +14,7 @@ using namespace std::chrono_literals;
 
 namespace {
 
-/// Host names as they are on one machine, for what is run there from now on.
+/// The host names of one machine, for programs started there from now on.
 class HostNames {
 public:
     HostNames(const Machine& machine, const std::string& name_server) : folder_("/etc/netns/" + machine.net.name())
@@ -27,7 +27,7 @@ public:
     HostNames(const HostNames&) = delete;
     HostNames& operator=(const HostNames&) = delete;
 
-    /// In the same file, which the programs that run have before them.
+    /// Changes the same file, which running programs read.
     void write(const std::string& line) const
     {
         std::ofstream(folder_ / "hosts") << "127.0.0.1 localhost\n" << line << "\n";
@@ -37,7 +37,7 @@ private:
     std::filesystem::path folder_;
 };
 
-/// A sleeper that receives from drones of another machine, by its number and by its name, and whose name server is a
+/// A sleeper that receives from drones of another machine, by its address and by its name, with a name server that is a
 /// black hole.
 class Neighbours {
 public:
@@ -68,7 +68,7 @@ public:
         here().hivectl_done("place add " + drone + " tcp://" + host + ":" + std::to_string(port));
         here().hivectl_done("connect " + drone + " sleeper");
     }
-    /// The name is not known any more, and whoever had it is gone.
+    /// Removes the name, and kills the drones that it had.
     void lose_name()
     {
         names_.write("");
@@ -76,7 +76,7 @@ public:
         for (int i = 0; i < named; ++i)
             ::kill(static_cast<pid_t>(there.status(name_of(i)).pid), SIGKILL);
     }
-    /// The name belongs to another machine, on which there is one of those that it had.
+    /// Moves the name to another machine, which has one of the same drones.
     void move_name()
     {
         listen(lab_.machine(2), name_of(0), "cam.test", 7700);
@@ -86,7 +86,7 @@ public:
     struct Delays {  ///< of 99 %, milliseconds
         double event, answer;
     };
-    /// How long the steady events are apart, and what the sleeper's answers take.
+    /// The intervals of the steady events, and the sleeper's response times.
     Delays watch(Seconds time)
     {
         std::vector<double> events, answers;

@@ -1,4 +1,4 @@
-// Names across machines when what they stand on fails: the machine that has one, or its clock.
+// Names across machines when the machine with a name, or its clock, fails.
 #include "lab.hpp"
 #include "wall_clock.hpp"
 
@@ -21,7 +21,7 @@ Json row_of(const std::string& rows, const std::string& name)
     return nullptr;
 }
 
-/// From now until ps shows a drone as anything but up.
+/// The time until ps shows a drone as anything but up.
 Seconds until_not_up(const Lab& lab, const std::string& drone)
 {
     const auto begin = Clock::now();
@@ -65,7 +65,7 @@ TEST_CASE("network names: a drone that died or whose machine is gone is not show
     CHECK(after_cut - usual < stated(2500ms));
     CHECK(row_of(lab.hivectl_done("ps --json"), "far").at("host") == "gpu1");
     lab.mend(0);
-    const auto ghost = lab.shell("hivectl get far fps");  // the list of places knows the new one alone
+    const auto ghost = lab.shell("hivectl get far fps");  // the list of places has only the new one
     CHECK_MESSAGE(ghost.exit_code == 0, ghost.err);
 }
 
@@ -99,7 +99,7 @@ TEST_CASE("network names: top shows a clock that is an hour wrong, and the ages 
         REQUIRE(eventually([&] { return wrong_by() <= 1; }, 30'000ms));
         const Seconds known = Clock::now() - begin;
         CHECK(eventually([&] { return std::abs(input().last_age_us) < 1'000'000; }));
-        const auto now = input();  // what the clocks alone would say is an hour wrong
+        const auto now = input();  // by the clocks alone it would be an hour wrong
         CHECK(std::abs(now.last_age_us - now.clock_offset_us) > 3000'000'000);
         const auto top = gpu1.swarm.run(
             gpu1.net.inside({gpu1.swarm.program("hivectl").string(), "top", "--once", "--interval", "0.2", "--json"}));

@@ -1,4 +1,4 @@
-// setns(), addresses, and one way to say what failed.
+// Wraps setns() and addresses, with uniform errors.
 #include "network_space.hpp"
 
 #include <cerrno>

@@ -1,4 +1,4 @@
-// Entering a network namespace, which a thread may do alone, and what sockets there need.
+// Enters a network namespace, per thread, and has helpers for sockets there.
 #pragma once
 
 #include <future>
@@ -8,10 +8,10 @@
 
 namespace hive::test {
 
-/// The calling thread stays inside: what it opens from now on belongs there. Throws std::runtime_error.
+/// The calling thread stays inside: its later sockets belong to the namespace. Throws std::runtime_error.
 void enter_network(const std::string& name);
 
-/// Does something inside, on a thread that ends with it, and returns what came of it.
+/// Runs a function inside, on its own thread, and returns its result.
 template <class Function>
 auto inside_network(const std::string& name, Function function)
 {

@@ -1,5 +1,5 @@
-// What each kind of stranger can do to a drone that listens on tcp: tried out on a running drone, packet by packet, and
-// printed as a table.
+// Tests what each kind of peer can do to a drone that listens on tcp: on a running drone, packet by packet, and printed
+// as a table.
 #include "swarm.hpp"
 
 #include <hive/protocol/messages.hpp>
@@ -24,12 +24,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What came of a packet.
+/// The outcome of a packet.
 enum class Fate { taken, closed, kept_out };
 
 std::string word(Fate fate) { return fate == Fate::taken ? "taken" : fate == Fate::closed ? "closed" : "kept out"; }
 
-/// A header that this type is read with; what it asks for need not be there.
+/// A valid header for this type; its subject need not exist.
 std::string header_for(PacketType type)
 {
     switch (type) {
@@ -42,7 +42,7 @@ std::string header_for(PacketType type)
     }
 }
 
-/// Dials the drone, says hello, sends one packet, and looks whether a question is still answered after it.
+/// Dials the drone, sends hello and one packet, and checks whether a query is still answered afterwards.
 class Try {
 public:
     Try(const std::string& address, const fs::path& key)
@@ -74,7 +74,7 @@ public:
             return Fate::kept_out;
         if (type != PacketType::hello)
             send(type, header_for(type));
-        until([&] { return unwritten_ == 0 || closed_; });  // or the question would overtake an event
+        until([&] { return unwritten_ == 0 || closed_; });  // otherwise the query would overtake an event
         send(PacketType::describe, R"({"id":2})");
         until([&] { return described_ || closed_; });
         return described_ ? Fate::taken : Fate::closed;
@@ -132,7 +132,7 @@ private:
     bool met_ = false, closed_ = false, described_ = false, received_ = false;
 };
 
-/// The drone under test; it is started again when somebody was allowed to stop it.
+/// The drone under test; it is restarted when a peer was permitted to stop it.
 class Target {
 public:
     explicit Target(const Swarm& swarm) : swarm_(swarm) { start(); }

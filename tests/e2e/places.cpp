@@ -1,5 +1,4 @@
-// Drones of another home, met over TCP by their names: every verb, names that are not unique, places that do not
-// answer.
+// Drones of another home, reached over TCP by their names: every verb, ambiguous names, places that do not answer.
 #include "measure.hpp"
 #include "rows.hpp"
 
@@ -15,7 +14,7 @@ using hive::Json;
 
 namespace {
 
-/// Where a drone listens on the network, as it says itself.
+/// The network address that a drone reports.
 std::string port_of(const Swarm& swarm, const std::string& drone)
 {
     for (const auto& place : swarm.application().status(drone).places)
@@ -32,7 +31,7 @@ Process on_port(const Swarm& swarm, const std::string& kind, const std::string& 
     return swarm.drone(kind, name, settings, on_network);
 }
 
-/// Writes into the list of one home where the drone of another is.
+/// Adds the place of another home's drone to the list of one home.
 void introduce(const Swarm& there, const std::string& drone, const Swarm& here)
 {
     here.hivectl_done({"place", "add", drone, port_of(there, drone)});
@@ -181,7 +180,7 @@ TEST_CASE("places: only what answers by its name is added, once, and can be remo
     CHECK(near.hivectl_done({"place", "list", "--json"}) == "[]\n");
     introduce(far, "source", near);
     introduce(far, "source", near);                                        // no harm
-    CHECK(far.hivectl({"place", "add", "source", place}).exit_code != 0);  // it is at home there
+    CHECK(far.hivectl({"place", "add", "source", place}).exit_code != 0);  // it is a local drone there
     CHECK(Json::parse(near.hivectl_done({"place", "list", "--json"})).size() == 1);
     CHECK(near.hivectl_done({"place", "remove", "source"}) == "source\n");
     CHECK(near.hivectl({"place", "remove", "source"}).exit_code == 3);
@@ -218,7 +217,7 @@ TEST_CASE("places: a drone takes its port from 7700 on, and has it again after a
     introduce(far, "source", near);
     near.hivectl_done({"connect", "source", "worker"});
     source.kill();
-    const auto again = far.drone("ticker", "source");  // it is not told to listen
+    const auto again = far.drone("ticker", "source");  // without --listen
     CHECK(port_of(far, "source") == place);
     auto application = near.application();
     CHECK(eventually([&] { return application.status("worker").inputs.at(0).connected; }, 10'000ms));

@@ -1,4 +1,4 @@
-// Two sockets and a thread for each.
+// Two sockets, each with a thread.
 #include "plain_flow.hpp"
 
 #include <vector>

@@ -1,4 +1,4 @@
-// What a network itself gives: a plain TCP connection that sends as much as it can.
+// Measures the network itself: a plain TCP connection that sends at full speed.
 #pragma once
 
 #include "network_space.hpp"
@@ -20,7 +20,7 @@ public:
     PlainFlow& operator=(const PlainFlow&) = delete;
 
     [[nodiscard]] std::int64_t received_bytes() const { return received_; }
-    /// What the sender's kernel holds now: not sent, or not acknowledged.
+    /// Bytes in the sender's kernel: not sent or not acknowledged.
     [[nodiscard]] int held_bytes() const;
 
 private:

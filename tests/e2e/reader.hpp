@@ -1,4 +1,4 @@
-// Runs the commands of a page as somebody who reads it does.
+// Runs the commands of a page as its reader would.
 #pragma once
 
 #include "swarm.hpp"

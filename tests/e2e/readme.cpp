@@ -1,5 +1,5 @@
-// The shell commands of the READMEs and the examples of --help, run as they stand there: of a README every fenced block
-// marked `sh`, all of one page in one swarm.
+// Runs the shell commands of the READMEs and the examples of --help unchanged: of a README every fenced block marked
+// `sh`, each page in one swarm.
 #include "reader.hpp"
 
 #include <doctest/doctest.h>
@@ -43,7 +43,7 @@ void run_blocks(const std::string& name)
     }
 }
 
-/// What an example takes for granted, before the examples of a verb.
+/// Preparations for the examples of a verb.
 struct Verb {
     std::string name, before;
 };

@@ -1,4 +1,4 @@
-// A new process takes over from a drone while the swarm runs: nothing of a source on demand is lost or comes twice.
+// A new process takes over from a drone while the swarm runs: a source on demand loses and repeats nothing.
 #include "measure.hpp"
 #include "successors.hpp"
 
@@ -17,11 +17,11 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr auto long_patience = 60'000ms;  // of a replacement, on a machine that does much else
+constexpr auto long_patience = 60'000ms;  // for a replacement on a busy machine
 
 constexpr int times = sanitized() ? 8 : 50;
 
-/// What a line is made of.
+/// The settings of a line of drones.
 struct Parts {
     std::string source = "ticker", output = "tick", worker = "sleeper", setting = "work_ms=3", result = "result";
     std::vector<std::string> source_settings = {"pace=demand"};
@@ -31,8 +31,8 @@ struct Parts {
     hive::Transfer transfer = hive::Transfer::synchronized;
 };
 
-/// A source on demand, workers that may share it, and a collector that wants their results in order. The workers run in
-/// the background: who takes over from them is no child of the test.
+/// A source on demand, workers that can share it, and an ordered collector. The workers run in the background: their
+/// successors are not children of the test.
 class Line {
 public:
     explicit Line(const std::vector<std::string>& workers, const Parts& parts = {})
@@ -57,7 +57,7 @@ public:
     hive::Application& application() { return application_; }
     std::int64_t pid(const std::string& worker) { return application_.status(worker).pid; }
 
-    /// The next results: each is the one after that before.
+    /// Checks that the next results are consecutive.
     void take(int results)
     {
         for (int i = 0; i < results; ++i) {
@@ -67,7 +67,7 @@ public:
             ++last_;
         }
     }
-    /// Those that are there, and those that come until the process has ended; its exit code.
+    /// Takes results until the process has exited; returns its exit code.
     int take_until_ended(Process& process)
     {
         const auto end = Clock::now() + patient(long_patience);
@@ -81,7 +81,7 @@ public:
             REQUIRE(Clock::now() < end);
         }
     }
-    /// Replaces it while results are taken.
+    /// Replaces it while it takes results.
     void replace(const std::string& worker)
     {
         auto command = swarm_.hivectl_running({"replace", worker}, "replace");
@@ -170,7 +170,7 @@ TEST_CASE("replace: without places, events are lost")
     Line line({"only"}, {.environment = {"HIVE_TEST_WITHOUT=places"}});
     std::int64_t last = line.taken();
     bool lost = false;
-    for (int i = 1; i <= 1000 && !lost; ++i) {  // about one in twenty catches an event on its way
+    for (int i = 1; i <= 1000 && !lost; ++i) {  // about one in twenty kills an event in flight
         auto command = line.swarm().hivectl_running({"replace", "only"}, "replace");
         while (!command.wait(0ms))
             if (const auto event = line.collector().next(5ms))
@@ -342,7 +342,7 @@ TEST_CASE("replace: whoever is killed in the middle, one drone of the name runs 
                            .transfer = stream ? hive::Transfer::streaming : hive::Transfer::synchronized});
     auto& application = line.application();
     for (int round = 0; round < 9; ++round) {
-        std::int64_t old = 0;  // a successor may just be on its way to the name
+        std::int64_t old = 0;  // a successor may just be taking the name
         REQUIRE(eventually(
             [&] {
                 const auto answer = application.status(std::vector<std::string>{"worker"}).at(0);
@@ -366,7 +366,7 @@ TEST_CASE("replace: whoever is killed in the middle, one drone of the name runs 
                 if (pid != old)
                     ::kill(pid, SIGKILL);
         const int code = line.take_until_ended(command);
-        // Who was killed before anything had begun, or after all was done, has crashed as any drone may.
+        // A drone killed before the start or after the end of the takeover has simply crashed.
         bool runs = false;
         REQUIRE(eventually(
             [&] {

@@ -1,4 +1,4 @@
-// What hivectl prints with --json: rows, and the one of a name.
+// Parses the rows of hivectl --json, and finds one by name.
 #pragma once
 
 #include <hive/application.hpp>

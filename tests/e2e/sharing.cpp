@@ -1,5 +1,5 @@
-// Many workers share one source: the rate grows with their number, and no event is lost or answered twice, whoever is
-// killed.
+// Many workers share one source: the rate grows with their number, and no event is lost or answered twice, even if
+// workers are killed.
 #include "measure.hpp"
 #include "status_sums.hpp"
 
@@ -24,7 +24,7 @@ std::vector<hive::Endpoint> results_of(int workers)
     return ends;
 }
 
-/// Events a second that `workers` drones, which sleep 50 ms over each, get done together.
+/// Events per second of `workers` drones that each sleep 50 ms per event.
 double shared_rate(int workers)
 {
     const Swarm swarm;
@@ -35,11 +35,11 @@ double shared_rate(int workers)
     auto application = swarm.application();
     const auto collector = application.collect(results_of(workers));
     swarm.hivectl_done({"connect", "source", "worker-*", "--share", "--window", "2"});
-    rate(*collector, workers, 6);  // until all are at work
+    rate(*collector, workers, 6);  // until all are working
     return rate(*collector, workers, 50);
 }
 
-/// A source on demand and four workers that share it; one of them is killed every 500 ms, started and connected again.
+/// A source on demand and four workers that share it; one of them is killed every 500 ms, restarted and reconnected.
 class KilledWorkers {
 public:
     KilledWorkers(int events, const std::vector<std::string>& environment)
@@ -92,7 +92,7 @@ TEST_CASE("sharing: 1, 2, 4, 8, 16 workers that sleep 50 ms get done at least 0.
 {
     if (!possible(missing_if_sanitized()))
         return;  // a measurement
-    // What else the machine does takes from a rate and never adds to it, so each rate is the best of a few tries.
+    // Other load only lowers a rate, so each rate is the best of a few tries.
     std::map<int, double> best;
     const auto enough = [&](int workers) { return best[workers] >= 0.97 * workers * best[1]; };
     for (int round = 0; round < 4; ++round)
@@ -100,7 +100,7 @@ TEST_CASE("sharing: 1, 2, 4, 8, 16 workers that sleep 50 ms get done at least 0.
             if (round == 0 || (workers > 1 && !enough(workers)))
                 best[workers] = std::max(best[workers], shared_rate(workers));
     MESSAGE("1 worker: ", best[1], " events/s");
-    CHECK(best[1] > 0.9 * 20);  // else it proves nothing; a busy machine wakes a sleeper late
+    CHECK(best[1] > 0.9 * 20);  // otherwise it proves nothing; a busy machine wakes a sleeper late
     for (const int workers : {2, 4, 8, 16}) {
         MESSAGE(workers, " workers: ", best[workers] / best[1], " times one");
         CHECK(enough(workers));
@@ -154,7 +154,7 @@ TEST_CASE("kill: results of a live source stay in order when all workers that sh
     CHECK(inversions(200) == 0);
     fast.kill();
     slow.kill();
-    fast = swarm.drone("sleeper", worker_name(1));  // they were told their work and their source
+    fast = swarm.drone("sleeper", worker_name(1));  // their settings and connections are restored
     slow = swarm.drone("sleeper", worker_name(2));
     CHECK(inversions(100) == 0);
 }

@@ -1,4 +1,4 @@
-// Drones that take long until they are ready on another machine, or are never met from here: why is said at once.
+// Drones on another machine that start slowly, or are unreachable from here: the reason is reported at once.
 #include "fake_ssh.hpp"
 #include "worker_swarm.hpp"
 
@@ -98,7 +98,7 @@ TEST_CASE("up: Ctrl-C leaves nothing behind on another machine, however long a d
                {"engines", {{"gpu1", {{"ssh", "me@gpu1"}}}}}});
     auto words = ssh.words({"up", file});
     const auto log = (there.home() / "late.log").string();
-    // As a terminal does, it signals the whole process group, once the drone is begun.
+    // Like a terminal, it signals the whole process group once the drone is starting.
     words.insert(words.begin(),
                  {"/bin/bash", "-c",
                   "set -m; \"$@\" & until test -e " + log + "; do sleep 0.05; done; sleep 0.5; kill -INT -$!; wait $!",

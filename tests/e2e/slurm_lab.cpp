@@ -96,7 +96,7 @@ void SlurmLab::configure() const
               "SelectTypeParameters=CR_CPU\nJobAcctGatherType=jobacct_gather/none\n"
               "AccountingStorageType=accounting_storage/none\nMpiDefault=none\nSwitchType=switch/none\n"
               "ReturnToService=2\nSlurmdParameters=config_overrides\nKillWait=2\nFirstJobId="
-           << ::getpid() << "\n";  // another number in each lab: homes are named after it
+           << ::getpid() << "\n";  // unique per lab: homes are named after it
     for (const auto& node : nodes)
         config << "NodeName=" << node << " NodeHostname=localhost NodeAddr=127.0.0.1 CPUs=16 Port=" << free_port()
                << "\n";

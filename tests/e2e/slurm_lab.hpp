@@ -1,5 +1,5 @@
-// A cluster of three nodes, n1 to n3, on this machine: slurmctld, three slurmd and munged with a key of its own. Root
-// is needed, and Debian's slurmctld, slurmd, slurm-client and munge.
+// A cluster of three nodes, n1 to n3, on this machine: slurmctld, three slurmd and munged with its own key. Needs root,
+// and Debian's slurmctld, slurmd, slurm-client and munge.
 #pragma once
 
 #include "swarm.hpp"
@@ -14,22 +14,22 @@ std::string missing_for_slurm();
 
 class SlurmLab {
 public:
-    /// Returns when the nodes are there and a job has all of them.
+    /// Returns when the nodes are up and a job has all of them.
     SlurmLab();
-    /// Ends the job; nothing of its steps is left, nor of those of other jobs that have ended.
+    /// Ends the job; no step of it or of other ended jobs remains.
     ~SlurmLab();
     SlurmLab(const SlurmLab&) = delete;
     SlurmLab& operator=(const SlurmLab&) = delete;
 
-    /// Ends the job, and gives a script to sbatch, whose job takes its place; its output goes to `sbatch.log` in the
+    /// Ends the job, and submits a script to sbatch, whose job replaces it; its output goes to `sbatch.log` in the
     /// home.
     void submit(const std::filesystem::path& script);
-    /// A line of a shell inside of the allocation.
+    /// Runs a shell command inside of the allocation.
     [[nodiscard]] Finished shell(const std::string& line) const;
     std::string shell_done(const std::string& line) const;
-    /// hivectl there, beside the test.
+    /// Runs hivectl there in the background.
     [[nodiscard]] Process hivectl_running(const std::vector<std::string>& words, const std::string& name) const;
-    /// The names of the steps that run and are drones, sorted.
+    /// The names of running steps that are drones, sorted.
     [[nodiscard]] std::vector<std::string> steps() const;
     /// Processes of drones on a node, whether they answer or not; on all nodes without one.
     [[nodiscard]] std::size_t processes(const std::string& node = {}) const;

@@ -1,5 +1,5 @@
-// Drones that are started on another machine through ssh: replaced, read and forgotten there, and what is missing there
-// is said.
+// Drones started on another machine over ssh: replaced, their logs read, and forgotten there; and errors for what is
+// missing there.
 #include "fake_ssh.hpp"
 #include "rows.hpp"
 #include "swarm.hpp"
@@ -69,7 +69,7 @@ TEST_CASE("start: Ctrl-C at any moment leaves no drone behind, here and on anoth
         words.insert(words.begin(), {"/bin/bash", "-c", press, pause});
         const auto done = here.run(words, 60'000ms);
         CHECK((done.exit_code == 130 || done.exit_code == 0));
-        std::this_thread::sleep_for(300ms);  // what had begun there would come up
+        std::this_thread::sleep_for(300ms);  // a drone that was starting there would be up by now
         const bool runs = !there.application().drones().empty();
         CHECK_MESSAGE(runs == (done.exit_code == 0), done.err);
         CHECK(here.application().drones().empty() != runs);
@@ -169,7 +169,7 @@ TEST_CASE("start --on: a swarm key that is missing there, or another one, is sai
     const auto file = here.home() / "config" / "hive" / "swarm.key";
     const auto copy = "scp " + file.string() + " me@gpu5:.config/hive/swarm.key";
     const auto start = [&] { return ssh.hivectl({"start", "ticker", "--on", "me@gpu5"}); };
-    CHECK(!has(start().err, copy));  // there is none here
+    CHECK(!has(start().err, copy));  // no key here
     here.hivectl_done({"key", "new"});
     const auto missing = start();
     CHECK(missing.exit_code == 5);

@@ -1,4 +1,4 @@
-// What a drone tells whoever supervises its process, by the protocol of sd_notify(3).
+// A drone's notifications to its service manager, by the protocol of sd_notify(3).
 #include "swarm.hpp"
 
 #include <doctest/doctest.h>
@@ -28,7 +28,7 @@ public:
     Supervisor(const Supervisor&) = delete;
     Supervisor& operator=(const Supervisor&) = delete;
 
-    /// What comes within this time, in order.
+    /// The messages within this time, in order.
     [[nodiscard]] std::vector<std::string> hear(Milliseconds time) const
     {
         std::vector<std::string> heard;

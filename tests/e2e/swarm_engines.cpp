@@ -1,5 +1,5 @@
-// The ready-made swarms, written for each engine and run by a stand-in for it: the command lines alone, in any order,
-// each killed once, and all started again after a reboot, make the swarm that `hivectl up` makes.
+// The ready-made swarms, exported for each engine and run by a fake of it: the command lines alone, in any order, each
+// killed once, and all restarted after a reboot, give the same swarm as `hivectl up`.
 #include "engine_lab.hpp"
 
 #include <doctest/doctest.h>
@@ -15,7 +15,7 @@ using hive::Json;
 
 namespace {
 
-/// The running swarm: as a file without what says where drones are, and its connections.
+/// The running swarm: as a file without addresses, and its connections.
 struct Picture {
     Json plan;
     std::set<std::string> connections;
@@ -56,7 +56,7 @@ public:
         as_brought_up_ = picture();
         REQUIRE(!as_brought_up_.sinks.empty());
         lab_.shell_done("hivectl down");
-        lab_.reboot();  // nothing of it helps what comes
+        lab_.reboot();  // nothing of it remains for the next steps
     }
 
     void run()
@@ -123,7 +123,7 @@ void try_form(const std::string& form)
         return;
     const char* told = std::getenv("HIVE_TEST_SEED");
     const auto seed = told ? std::strtoull(told, nullptr, 10) : std::random_device()();
-    CAPTURE(seed);  // HIVE_TEST_SEED=... does it again
+    CAPTURE(seed);  // replay with HIVE_TEST_SEED=...
     std::mt19937_64 random(seed);
     std::vector<std::string> swarms{"axis", "face", "gesture", "shared-face", "tracking"};
     std::ranges::shuffle(swarms, random);

@@ -1,4 +1,4 @@
-// Swarms written for engines: each form passes the validator of its engine, where that is installed.
+// Exported swarms: each form passes the validator of its engine, if that is installed.
 #include "swarm.hpp"
 
 #include <hive/program.hpp>
@@ -48,7 +48,7 @@ std::vector<SwarmPlan> plans(const std::string& form)
                       {"from": "camera", "to": "background", "encoding": "jpeg:60"}],
       "engines": {"gpu*": {"slurm": {"partition": "gpu", "options": ["--gres=gpu:1"]}}}})"));
     if (form == "shell")
-        all.back().engines.clear();  // hivectl start knows no Slurm
+        all.back().engines.clear();  // hivectl start does not support Slurm
     return all;
 }
 
@@ -68,8 +68,8 @@ std::vector<fs::path> written(const Swarm& swarm, const SwarmPlan& plan, const s
 
 using Paths = std::vector<fs::path>;
 
-/// Nothing may be said against the files of all plans, if the validator is there.
-/// @param command  checks them; of each plan it has the paths
+/// The validator, if installed, must accept the files of all plans.
+/// @param command  the validator; gets the paths of each plan
 void check_form(const std::string& form, const std::string& validator,
                 const std::function<std::string(const std::vector<Paths>&)>& command)
 {
@@ -97,7 +97,7 @@ std::string all_of(const std::vector<fs::path>& paths)
 TEST_CASE("swarm exports: systemd takes the units")
 {
     check_form("systemd", "systemd-analyze", [](const std::vector<Paths>& plans_paths) {
-        // One machine after the other: the targets of all have one name.
+        // One machine after the other: all targets have the same name.
         std::map<fs::path, Paths> machines;
         for (const auto& paths : plans_paths)
             for (const auto& path : paths)
@@ -105,7 +105,7 @@ TEST_CASE("swarm exports: systemd takes the units")
         std::string command = "export XDG_RUNTIME_DIR=$HIVE_HOME SYSTEMD_LOG_LEVEL=warning\n";
         for (const auto& [folder, units] : machines)
             command += "systemd-analyze --user --man=no verify" + all_of(units) + "\n";
-        // And the one that is installed, whose program is not yet where systemd looks for it.
+        // And the installed unit, whose program is not yet at its final path.
         const std::string unit = "hive-metrics.service", installed = HIVE_SOURCE_DIR "/hivectl/monitoring/" + unit;
         return command + "sed \"s#=hivectl#=$(command -v hivectl)#\" " + installed + " > $HIVE_HOME/" + unit
                + "\nsystemd-analyze --user --man=no verify $HIVE_HOME/" + unit + "\n";
@@ -115,7 +115,7 @@ TEST_CASE("swarm exports: systemd takes the units")
 TEST_CASE("swarm exports: compose takes the files")
 {
     check_form("compose", "docker-compose", [](const std::vector<Paths>& plans_paths) {
-        // It takes a second to start, so all are given to one; it looks at each before it joins them.
+        // It takes a second to start, so one process gets all; it checks each before merging them.
         std::string files;
         for (const auto& paths : plans_paths)
             files += " -f " + paths[0].string();

@@ -1,4 +1,4 @@
-// What a swarm file says is what runs: each field of a drone is changed, put in and taken out, one by one and in pairs.
+// The running swarm matches its file: each field of a drone is changed, added and removed, one by one and in pairs.
 #include "programs_for_tests.hpp"
 #include "worker_swarm.hpp"
 
@@ -18,7 +18,7 @@ namespace {
 
 constexpr const char* wrapper = "#!/bin/sh\nexec hive-ticker \"$@\"\n";
 
-/// A value for each field of a drone, by its name; some need another one beside them.
+/// A value for each field of a drone, by its name; some need another field.
 Json changes(const Swarm& swarm)
 {
     const auto port = std::to_string(free_port());
@@ -48,7 +48,7 @@ Json file_with(const Json& change = Json::object())
             {"connections", {{{"from", "t"}, {"to", "sink"}}}}};
 }
 
-/// What the drone tells of itself, what an export says of it, and who receives from it.
+/// The status of the drone, its export, and its receivers.
 Json told(const Swarm& swarm)
 {
     auto application = swarm.application();
@@ -61,7 +61,7 @@ Json told(const Swarm& swarm)
             {"export", Json::parse(swarm.hivectl_done({"export"}))}};
 }
 
-/// The same of a swarm that is started from this file.
+/// The same for a swarm that is started from this file.
 Json told_anew(const Json& content)
 {
     const Swarm fresh;
@@ -86,7 +86,7 @@ TEST_CASE("up: each field that a file changes runs as in a swarm that is started
     std::vector<Json> contents{Json::object()};
     for (auto one = fields.begin(); one != fields.end(); ++one) {
         contents.push_back(*one);
-        contents.push_back(Json::object());  // taken out again
+        contents.push_back(Json::object());  // removed again
     }
     for (auto one = fields.begin(); one != fields.end(); ++one)
         for (auto other = std::next(one); other != fields.end(); ++other) {
@@ -151,7 +151,7 @@ TEST_CASE("up: what changes at run time needs no new process, and what was done 
     CHECK_EQ(swarm.hivectl_done({"get", "t", "fps"}), "50.0\n");
     CHECK(eventually([&] { return edges(swarm) == 2; }));
     swarm.hivectl_done({"halt", "t"});
-    CHECK(steps(swarm, file).empty());  // halted by hand, of which the file says nothing
+    CHECK(steps(swarm, file).empty());  // halted by hand, which the file does not set
 }
 
 TEST_CASE("up: a restart that fails is undone, with the parameters and connections that the drone had")

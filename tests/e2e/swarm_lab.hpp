@@ -1,4 +1,4 @@
-// Machines that ssh reaches, and a swarm file for them.
+// Machines reachable over ssh, and a swarm file for them.
 #pragma once
 
 #include "lab.hpp"
@@ -12,15 +12,14 @@
 
 namespace hive::test {
 
-/// A number from the environment: for more than a test run has time for.
+/// A number from the environment, for longer runs by hand.
 inline int number_from(const char* variable, int otherwise)
 {
     const char* const text = std::getenv(variable);
     return text ? std::stoi(text) : otherwise;
 }
 
-/// A laptop and machines, with one key, and a swarm file. One is reached as another user would be, the others under
-/// their own names.
+/// A laptop and machines, with one key, and a swarm file. One is reached as USER@HOST, the others by their own names.
 class Machines {
 public:
     explicit Machines(const Json& content, const std::vector<std::string>& names = {"cam1", "gpu1", "gpu2"})

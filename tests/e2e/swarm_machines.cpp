@@ -1,5 +1,5 @@
-// Whole swarms over several machines that ssh reaches: network namespaces, each with an sshd of its own. Root is
-// needed, and iproute2 and openssh-server; where that is not to be had, the tests say so and end.
+// Whole swarms over several machines reachable over ssh: network namespaces, each with its own sshd. Needs root,
+// iproute2 and openssh-server; otherwise the tests are skipped.
 #include "swarm_lab.hpp"
 
 #include <doctest/doctest.h>
@@ -101,7 +101,7 @@ TEST_CASE("up over ssh: what one machine lacks is said with its name, and nothin
     CHECK(eventually([&] { return machines.processes() == 0; }));
     content["drones"].erase("zlast");
     content["drones"]["more"] = {{"kind", "sleeper"}, {"on", "gpu3"}};
-    content["engines"] = {{"gpu3", {{"ssh", "127.0.0.9"}}}};  // nobody listens there
+    content["engines"] = {{"gpu3", {{"ssh", "127.0.0.9"}}}};  // no listener there
     machines.write(content);
     const auto unknown = machines.lab.shell("hivectl up ~/work.json");
     CHECK(unknown.exit_code == 5);

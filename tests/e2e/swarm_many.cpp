@@ -1,5 +1,5 @@
-// Swarms of many drones: over four machines, and by a hivectl that may not have a descriptor for each.
-// HIVE_TEST_DRONES=1000 has as many as a swarm can have; the figures of one machine are from scripts/measure-many.
+// Swarms of many drones: over four machines, and by a hivectl with fewer descriptors than drones. HIVE_TEST_DRONES=1000
+// has as many as a swarm can have; the figures of one machine are from scripts/measure-many.
 #include "swarm_lab.hpp"
 
 #include <mute_server.hpp>
@@ -33,7 +33,7 @@ Json many(int drones)
     return content;
 }
 
-/// What a command on the laptop prints, with no more descriptors than is usual. Its seconds are said.
+/// The output of a command on the laptop with the default limit of descriptors. Prints its duration.
 std::string timed(const Machines& machines, const std::string& words)
 {
     const auto begin = Clock::now();
@@ -44,7 +44,7 @@ std::string timed(const Machines& machines, const std::string& words)
     return std::move(done.out);
 }
 
-/// An application that keeps two connections at most, unless they have something to do, and dials two at once.
+/// An application that keeps at most two idle connections, and dials two at once.
 class Frugal {
 public:
     Frugal(const Swarm& swarm)
@@ -67,7 +67,7 @@ public:
         module_.loop().wait(hive::event::Clock::time_point::max(), [&] { return found.has_value(); });
         return *found;
     }
-    /// Goes on until somebody says hello, or for as long as a test.
+    /// Runs until a peer sends hello, at most as long as a test.
     void begin_to_dial(const std::string& address, bool& over)
     {
         module_.call([&] {

@@ -1,4 +1,4 @@
-// Which swarm a drone belongs to: another one uses it, but neither changes nor ends it.
+// Ownership of drones: another swarm uses a drone, but neither changes nor stops it.
 #include "worker_swarm.hpp"
 
 #include <doctest/doctest.h>
@@ -12,7 +12,7 @@ using hive::Json;
 
 namespace {
 
-/// One receiver of the source that both swarms have.
+/// One receiver of the source shared by both swarms.
 Json file_of(const std::string& swarm, int fps)
 {
     return {{"swarm", swarm},
@@ -138,7 +138,7 @@ TEST_CASE("owners: up --stay leaves a drone of another swarm that crashed to tha
     file.write(two);
     auto stay = swarm.hivectl_running({"up", file, "--stay"}, "stay");
     REQUIRE(eventually([&] { return running(swarm).count("two-sink") == 1 && edges(swarm) == 2; }));
-    std::this_thread::sleep_for(500ms);  // it has looked
+    std::this_thread::sleep_for(500ms);  // it has checked by then
     ::kill(static_cast<pid_t>(running(swarm).at("source")), SIGKILL);
     ::kill(static_cast<pid_t>(running(swarm).at("two-sink")), SIGKILL);
     REQUIRE(eventually([&] { return has(swarm.log("stay"), "two-sink crashed and was restarted"); }, 20'000ms));

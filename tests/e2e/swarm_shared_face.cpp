@@ -1,4 +1,4 @@
-// The ready-made swarm shared-face, as a lab has it: a camera and four workers on three machines.
+// The ready-made swarm shared-face in a lab: a camera and four workers on three machines.
 #include "swarm_lab.hpp"
 
 #include <doctest/doctest.h>
@@ -14,7 +14,7 @@ using hive::Json;
 
 namespace {
 
-/// The file of the repository, with machines for its drones, which do not fill the processors that they all share here.
+/// The file of the repository, with machines for its drones, and a lower load, because all share the processors here.
 Json shared_face()
 {
     auto content = Json::parse(text_of(std::filesystem::path(HIVE_SOURCE_DIR) / "scripts/swarms/shared-face.json"));
@@ -40,7 +40,7 @@ struct Timed {
     double seconds = 0;
 };
 
-/// Each worker finds faces in pictures of the camera.
+/// Each worker finds faces in frames of the camera.
 bool works(const Machines& machines)
 {
     std::set<std::string> workers;
@@ -58,13 +58,13 @@ bool works(const Machines& machines)
     return all;
 }
 
-/// What a reboot leaves of a machine: its disk, and nothing of what ran or lay in memory.
+/// Simulates a reboot of a machine: keeps its disk, and removes processes and memory.
 void reboot(const Machine& machine)
 {
     std::istringstream pids(machine.swarm.run({"/usr/bin/env", "ip", "netns", "pids", machine.net.name()}).out);
     for (pid_t pid = 0; pids >> pid;) {
         const auto command = text_of("/proc/" + std::to_string(pid) + "/cmdline");
-        if (!has(command, "sshd") || has(command, "@"))  // the one that listens comes back at once
+        if (!has(command, "sshd") || has(command, "@"))  // the listening one restarts at once
             ::kill(pid, SIGKILL);
     }
 }

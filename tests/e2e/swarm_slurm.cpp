@@ -1,5 +1,5 @@
-// Whole swarms as steps of a Slurm allocation, on a cluster of three nodes on this machine. Where that is not to be
-// had, the tests say so and end.
+// Whole swarms as steps of a Slurm allocation, on a cluster of three nodes on this machine. Without Slurm the tests are
+// skipped.
 #include "free_port.hpp"
 #include "slurm_lab.hpp"
 

@@ -1,4 +1,4 @@
-// An `up` that stays: what falls comes back with its wires, and nothing else holds that up.
+// A supervising `up`: crashed drones restart with their connections, and nothing else delays that.
 #include "status_sums.hpp"
 #include "worker_swarm.hpp"
 
@@ -15,7 +15,7 @@ using hive::Json;
 
 namespace {
 
-/// Children that have ended and that nobody has looked for.
+/// Zombie children.
 std::size_t zombies_of(pid_t parent)
 {
     const auto number = std::to_string(parent), children = text_of("/proc/" + number + "/task/" + number + "/children");
@@ -26,7 +26,7 @@ std::size_t zombies_of(pid_t parent)
     return count;
 }
 
-/// workers_file(), whose workers come back when they fall.
+/// workers_file() with workers that restart after a crash.
 Json returning_workers(int workers)
 {
     auto content = workers_file(workers);
@@ -34,7 +34,7 @@ Json returning_workers(int workers)
     return content;
 }
 
-/// An `up` that stays with a swarm of so many workers, which all run and are wired.
+/// A supervising `up` of a swarm with this many workers, all running and connected.
 class Staying {
 public:
     Staying(const Swarm& swarm, const File& file, std::size_t workers)
@@ -42,7 +42,7 @@ public:
     {
         REQUIRE(eventually([&] { return all_run(); }));
     }
-    /// Ctrl-C ends it, and it has nothing to complain of.
+    /// Ctrl-C ends it, without any errors.
     void end()
     {
         up_.signal(SIGINT);
@@ -69,7 +69,7 @@ TEST_CASE("up --stay: what crashes is restarted with its wires, with growing pau
     const File file(swarm, returning_workers(3));
     Staying up(swarm, file, 3);
     const auto before = running(swarm);
-    auto application = swarm.application();  // quicker than hivectl: all the falls must be within 60 s
+    auto application = swarm.application();  // faster than hivectl: all crashes must be within 60 s
     auto pid = before.at("worker-1");
     const auto runs_again = [&] {
         const auto answer = application.status(std::vector<std::string>{"worker-1"}).at(0);
@@ -100,7 +100,7 @@ TEST_CASE("up --stay: what crashes is restarted with its wires, with growing pau
     CHECK(failed_row().is_null());
 
     swarm.hivectl_done({"stop", "worker-2"});
-    ::kill(static_cast<pid_t>(before.at("sink")), SIGKILL);  // its file does not say that it is to come back
+    ::kill(static_cast<pid_t>(before.at("sink")), SIGKILL);  // its file does not request a restart
     std::this_thread::sleep_for(500ms);
     CHECK(running(swarm).contains("worker-1"));
     CHECK(!running(swarm).contains("worker-2"));
@@ -165,7 +165,7 @@ TEST_CASE("up --stay: whatever falls while down is at work, nothing comes back u
     content["drones"]["sink"]["restart"] = "always";
     const File file(swarm, content);
     Staying up(swarm, file, 3);
-    std::vector<std::string> victims;  // each less often than it may fall within 60 s
+    std::vector<std::string> victims;  // each crashes less often than the limit within 60 s
     for (int i = 0; i < 4; ++i)
         victims.insert(victims.end(), {"worker-1", "worker-2", "worker-3", "sink"});
     std::ranges::shuffle(victims, random);
@@ -176,7 +176,7 @@ TEST_CASE("up --stay: whatever falls while down is at work, nothing comes back u
             REQUIRE(pids.at(victim) > 0);
             ::kill(static_cast<pid_t>(pids.at(victim)), SIGKILL);
         }
-        std::this_thread::sleep_for(std::chrono::milliseconds(random() % 150));  // it looks every 100 ms
+        std::this_thread::sleep_for(std::chrono::milliseconds(random() % 150));  // it checks every 100 ms
         swarm.hivectl_done({"down"}, 30'000ms);
         CHECK_MESSAGE(has_processes(swarm, 0), up.said());
         std::this_thread::sleep_for(300ms);
@@ -273,7 +273,7 @@ TEST_CASE("up --stay: a drone is restarted as the plan says that another up brou
     ::kill(static_cast<pid_t>(running(swarm).at("sink")), SIGKILL);
     ::kill(static_cast<pid_t>(running(swarm).at("worker-1")), SIGKILL);
     CHECK_MESSAGE(eventually([&] { return running(swarm).contains("worker-1"); }, 10'000ms), up.said());
-    std::this_thread::sleep_for(500ms);  // what would come back
+    std::this_thread::sleep_for(500ms);  // a restarted drone would be up by then
     CHECK(!running(swarm).contains("late"));
     CHECK(!running(swarm).contains("sink"));
     up.end();

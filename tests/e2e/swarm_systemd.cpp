@@ -1,4 +1,4 @@
-// Whole swarms as units of the user's systemd. No systemd has to run: a stand-in for systemctl runs what the units say.
+// Whole swarms as units of the user's systemd. No systemd is needed: a fake systemctl runs the units.
 #include "falling_drone.hpp"
 #include "swarm.hpp"
 
@@ -28,7 +28,7 @@ public:
     Systemd(const Systemd&) = delete;
     Systemd& operator=(const Systemd&) = delete;
 
-    /// A line of a shell whose systemctl is the stand-in.
+    /// Runs a shell command with the fake systemctl.
     [[nodiscard]] Finished shell(const std::string& line) const
     {
         const char* const path = std::getenv("PATH");

@@ -1,5 +1,5 @@
-// Whole swarms from one file: up again changes nothing, a change is one step, a failure leaves nothing behind, and
-// whoever is killed in between leaves what the next one completes.
+// Whole swarms from one file: a second up changes nothing, a change is one step, a failure leaves nothing behind, and
+// after a kill the next up completes the work.
 #include "falling_drone.hpp"
 #include "programs_for_tests.hpp"
 #include "worker_swarm.hpp"
@@ -109,7 +109,7 @@ TEST_CASE(
 
     ::kill(static_cast<pid_t>(running(swarm).at("worker-1")), SIGKILL);
     REQUIRE(eventually([&] { return running(swarm).count("worker-1") == 0; }));
-    const auto again = swarm.drone("sleeper", "worker-1");  // with what it was told, and nothing from the file
+    const auto again = swarm.drone("sleeper", "worker-1");  // with its saved state, and nothing from the file
     CHECK(swarm.hivectl_done({"get", "worker-1", "work_ms"}) == "20\n");
     CHECK(steps(swarm, file).empty());
 }
@@ -231,7 +231,7 @@ TEST_CASE("up: killed at any moment, the next one completes it, no drone twice a
 
 TEST_CASE("up: Ctrl-C undoes what was begun")
 {
-    // One that is never ready, so it comes before the end.
+    // A drone that is never ready, so the signal arrives before the end.
     const Programs programs({"hive-slow"}, R"(#!/bin/sh
 case "$*" in *--describe*) echo '{"kind": "slow", "inputs": [], "outputs": [], "parameters": []}'; exit ;; esac
 exec sleep 60
@@ -264,7 +264,7 @@ TEST_CASE("down: Ctrl-C while it waits for its turn leaves all swarms as they ar
     const Swarm swarm;
     const File file(swarm, workers_file(1));
     swarm.hivectl_done({"up", file});
-    file.write({{"swarm", "yard"}, {"drones", {{"clock", {{"kind", "ticker"}}}}}});  // its turn is after work's
+    file.write({{"swarm", "yard"}, {"drones", {{"clock", {{"kind", "ticker"}}}}}});  // it is taken down after `work`
     swarm.hivectl_done({"up", file});
     const hive::event::Home home(swarm.home());
     const hive::event::NameClaim other(home, "work.swarm");

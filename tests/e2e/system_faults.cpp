@@ -1,5 +1,5 @@
-// What the system below does to drones: no descriptors, a port in use, a wall clock that is set. Slow, since each is
-// watched for a while.
+// Faults of the operating system: no descriptors, a port in use, a wall clock that is set. Slow, because each is
+// observed for a while.
 #include "free_port.hpp"
 #include "measure.hpp"
 #include "status_sums.hpp"
@@ -24,7 +24,7 @@ namespace {
 
 using Seconds = std::chrono::duration<double>;
 
-/// From now on a process has so many descriptors, or as many as it could have before.
+/// Limits the descriptors of a process, or restores the limit.
 rlimit limit_descriptors(pid_t pid, rlim_t most)
 {
     rlimit before{};
@@ -85,7 +85,7 @@ TEST_CASE("descriptors: a drone that has none left does not spin, goes on with i
         REQUIRE(eventually([&] { return next_descriptor(ticker.pid()) == none_left; }));  // the one before has left
         const auto before_exhaustion = limit_descriptors(ticker.pid(), none_left);
         const auto before = account_of(application, "counter.tick");
-        auto newcomer = swarm.hivectl_running({"get", "ticker", "fps", "--timeout", "20"}, name);  // waits at the door
+        auto newcomer = swarm.hivectl_running({"get", "ticker", "fps", "--timeout", "20"}, name);  // not accepted
         exhausted.push_back(used(1s));
         hive::Ledger after;
         std::int64_t came = 0, kept = 0;
@@ -93,7 +93,7 @@ TEST_CASE("descriptors: a drone that has none left does not spin, goes on with i
             after = account_of(application, "counter.tick");
             came = after.total() - before.total();
             kept = after.of(hive::Fate::acknowledged) - before.of(hive::Fate::acknowledged);
-            return kept >= came - 32;  // what is acknowledged together
+            return kept >= came - 32;  // acknowledged together
         }));
         CHECK_FALSE(newcomer.wait(0ms));
 

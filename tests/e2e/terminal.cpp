@@ -1,4 +1,4 @@
-// hivectl as people type it: on a terminal of a certain width, and with mistakes.
+// hivectl at a terminal: with a certain width, and with typing errors.
 #include "fake_ssh.hpp"
 #include "swarm.hpp"
 
@@ -13,7 +13,7 @@ using namespace hive::test;
 
 namespace {
 
-/// What stands on the terminal in the end. Ctrl-C is pressed once `text` was printed, if that is not empty.
+/// The final content of the terminal. Presses Ctrl-C once `text` was printed, if that is not empty.
 Finished on_terminal(const Swarm& swarm, const std::vector<std::string>& words, const std::string& text = "",
                      const std::string& variable = "NO_COLOR=1")
 {
@@ -205,7 +205,7 @@ TEST_CASE("stop: several drones are stopped together")
     }
     const auto begin = std::chrono::steady_clock::now();
     const auto stopped = swarm.hivectl({"stop", "a", "b", "c", "--timeout", "1"});
-    CHECK_MESSAGE(stopped.exit_code == 0, stopped.err);  // what hangs is killed
+    CHECK_MESSAGE(stopped.exit_code == 0, stopped.err);  // hanging drones are killed
     CHECK(std::chrono::steady_clock::now() - begin < std::chrono::milliseconds(2500));
 }
 

@@ -18,14 +18,14 @@ using hive::Json;
 
 namespace {
 
-/// A swarm's own drone, and where it is connected.
+/// A swarm's own drone, and its connection.
 struct Own {
     std::string drone, output, from;
     std::vector<std::string> settings;
 };
 
-// The pictures are small, and the cascade is set to be slower than the camera: it fills one core, and the others leave
-// most of a second one. Without room for all one would measure how the machine divides its cores, not Hive.
+// The images are small, and the cascade is configured to be slower than the camera: it fills one core, and the others
+// leave most of a second one. Otherwise the test would measure how the machine divides its cores, not Hive.
 const std::vector<std::string> small{"width=320", "height=240"};
 const std::vector<Own> owns{{"face", "faces", "camera.image", {"scale=1.025", "min_size=25"}},
                             {"gesture", "gesture", "background.mask", {}},
@@ -43,7 +43,7 @@ Finished script(const Swarm& swarm, std::vector<std::string> words)
     return swarm.run(words);
 }
 
-/// How long the main thread of a process has run, or was ready to and had no core.
+/// How long the main thread of a process has run, or was runnable without a core.
 std::chrono::nanoseconds awake(pid_t process)
 {
     std::int64_t ran = 0, ready = 0;
@@ -65,7 +65,7 @@ std::chrono::duration<double> worked(pid_t process)
     return std::chrono::duration<double>((user + system) / static_cast<double>(::sysconf(_SC_CLK_TCK)));
 }
 
-/// Started by the scripts, one after the other, as somebody does who tries them.
+/// Started by the scripts, one after the other, as a user would.
 class ThreeSwarms {
 public:
     explicit ThreeSwarms(const std::vector<std::string>& camera)
@@ -100,7 +100,7 @@ public:
         application.set("camera", {{"fps", fps}});
         time_ = Milliseconds(static_cast<int>(24'000 / fps));
     }
-    /// Does face, which fills a core, leave the others what they need? Else one would measure how they divide it.
+    /// Does face, which fills a core, leave enough for the others? Otherwise the test would measure how they divide it.
     bool have_room(double fps)
     {
         const auto others = [&] {

@@ -1,5 +1,4 @@
-// Connections: refused with a reason when they cannot be, repaired without a word when an end is killed, forgotten by
-// stop.
+// Connections: refused with a reason if impossible, restored silently after an end was killed, forgotten by stop.
 #include "measure.hpp"
 #include "status_sums.hpp"
 
@@ -18,7 +17,7 @@ std::int64_t processed(hive::Application& application, const std::string& drone)
     return at_inputs(application.status(drone), &hive::InputStatus::processed);
 }
 
-/// From the start of a program until the drone behind the connection has worked on events again.
+/// From the start of a program until the drone at the other end has processed events again.
 Milliseconds back_after(Clock::time_point begin, hive::Application& application)
 {
     const auto before = processed(application, "worker");
@@ -202,7 +201,7 @@ TEST_CASE("restart: a source killed while nobody starts it is waited for, and sa
     source.kill();
     auto application = swarm.application();
     const auto connected = [&] { return application.status("worker").inputs.at(0).connected; };
-    // A dead peer on one machine is noticed within 50 ms.
+    // A dead peer on one machine is detected within 50 ms.
     const auto begin = Clock::now();
     REQUIRE(eventually([&] { return !connected(); }));
     CHECK(Clock::now() - begin <= patient(2000ms));
@@ -262,10 +261,10 @@ TEST_CASE("disconnect: a source on demand that waits for a killed receiver says 
         application.connect({"source", "tick"}, {receiver, "image"});
     REQUIRE(collector->next(patient(5000ms)));
     lost.kill();
-    swarm.hivectl_done({"stop", "lost"}, 5000ms);  // it will not come back by itself
+    swarm.hivectl_done({"stop", "lost"}, 5000ms);  // it will not restart by itself
     while (collector->next(300ms)) {
     }
-    std::string ps;  // what has lasted for less than a second is no standstill
+    std::string ps;  // a pause of less than a second is not a stall
     CHECK_MESSAGE(eventually([&] {
                       ps = swarm.hivectl_done({"ps", "source"});
                       return has(ps, "it waits for a receiver that was cut off, or has not come yet (lost.image)");

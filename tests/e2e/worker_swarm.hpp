@@ -1,4 +1,4 @@
-// A swarm of a source, workers that share its events and a sink, as a file, and what runs of it.
+// A swarm of a source, workers that share its events and a sink, as a file; and queries of its running drones.
 #pragma once
 
 #include "measure.hpp"
@@ -12,14 +12,14 @@
 
 namespace hive::test {
 
-/// HIVE_TEST_SEED replays what a random test did.
+/// HIVE_TEST_SEED replays a random test.
 inline std::uint64_t seed_of_test()
 {
     const char* const told = std::getenv("HIVE_TEST_SEED");
     return told ? std::stoull(told) : std::random_device{}();
 }
 
-/// A source on demand, so many workers that share it, and somebody who counts what they make.
+/// A source on demand, this many workers that share it, and a counter of their results.
 inline hive::Json workers_file(int workers)
 {
     return {{"swarm", "work"},
@@ -46,7 +46,7 @@ private:
     std::string path_;
 };
 
-/// What `up` says that it did, a line each.
+/// The steps that `up` reports, one per line.
 inline std::vector<std::string> steps(const Swarm& swarm, const File& file)
 {
     std::istringstream lines(swarm.hivectl_done({"up", file}, std::chrono::seconds(60)));
@@ -80,13 +80,13 @@ inline std::size_t count_processes(const Swarm& swarm)
     return count;
 }
 
-/// A drone that has given back its name may take a moment to end.
+/// A drone may exit shortly after it has released its name.
 inline bool has_processes(const Swarm& swarm, std::size_t count)
 {
     return eventually([&] { return count_processes(swarm) == count; });
 }
 
-/// How many connections both ends know.
+/// The number of connections known to both ends.
 inline std::int64_t edges(const Swarm& swarm)
 {
     std::int64_t connected = 0;
