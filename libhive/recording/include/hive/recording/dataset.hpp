@@ -11,7 +11,7 @@ namespace hive::recording {
 
 /// The columns of csv_rows, with a line end.
 std::string csv_heading();
-/// One line for each box, uncertain tracks too; RFC 4180, but for line ends of "\n". An unknown value is empty.
+/// One line per box, including uncertain tracks; RFC 4180, except for line ends of "\n". An unknown value is empty.
 std::string csv_rows(const DetectedImage& image);
 
 /// Images with their certain detections. Several events of one capture are one image.
@@ -19,8 +19,8 @@ class Dataset {
 public:
     enum class Added { fresh, again, other_capture };
     /// @return  again: more boxes of an image that is there already. other_capture: another capture has this name, as
-    /// when a folder is read twice; then nothing is added
-    /// @throws Error  refused: the event did not say the size of its image
+    /// if a folder is read twice; then nothing is added
+    /// @throws Error  refused: the event has no size of its image
     Added add(const DetectedImage& image);
 
     /// A COCO dataset: `info`, `images`, `categories` and `annotations`. Ids start at 1.
