@@ -37,7 +37,7 @@ Lettering lettering(const std::string& text, double size)
             {margin, margin + letters.height}};
 }
 
-/// As large as the image demands; else with smaller letters; else with fewer words; else nothing.
+/// With the letter size for the image; else with smaller letters; else with fewer words; else nothing.
 std::optional<Lettering> lettering_for(std::string text, cv::Size picture)
 {
     const auto fits = [&](const Lettering& one) {
@@ -55,7 +55,7 @@ std::optional<Lettering> lettering_for(std::string text, cv::Size picture)
     }
 }
 
-/// Above the box, inside it unless that hides more than half of it, or below it; where no place is free, the first one.
+/// Above the box, inside it unless that hides more than half of it, or below it; if no place is free, the first one.
 std::optional<cv::Rect> place_for(cv::Size plate, const cv::Rect& box, cv::Size picture,
                                   const std::vector<cv::Rect>& taken)
 {
@@ -83,8 +83,8 @@ cv::Scalar letters_on(const cv::Scalar& plate)
 
 }  // namespace
 
-/// In a small image a label gives way: it takes smaller letters, then loses its last words, and where not even the
-/// first one fits there is none.
+/// In a small image a label has smaller letters, then loses its last words, and is omitted if not even the first one
+/// fits.
 void write_label(cv::Mat& picture, const std::string& text, const cv::Rect& box, const cv::Scalar& colour,
                  std::vector<cv::Rect>& taken)
 {

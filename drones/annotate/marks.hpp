@@ -41,7 +41,7 @@ struct Marks {
 };
 
 /// The marks in a header: every object with numbers x, y, w and h that stands in one of its fields, alone or in an
-/// array. Beside these a mark may have
+/// array. A mark may also have
 /// - class, kind, gesture, pose, label (texts or whole numbers), id, score (0 to 1), speed (px/s): they make the label;
 /// - any array of points, each [x, y], [x, y, score] or {"x", "y"}: trail is drawn as a line, hull, contour and corners
 /// as an outline (corners instead of the box), mask as an area, others as dots. What is anything else, or over a

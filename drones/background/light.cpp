@@ -11,11 +11,11 @@ namespace background {
 namespace {
 
 constexpr int places = 64;                    ///< along the longer side of the image
-constexpr int darkest = 12, brightest = 245;  ///< beyond, a ratio says little
+constexpr int darkest = 12, brightest = 245;  ///< beyond, a ratio is unreliable
 constexpr std::size_t enough_places = 50;
 constexpr double noise = 12, share_of_value = 0.12;  ///< a place agrees when it is so near, in grey levels
 constexpr double agreeing = 0.5;                     ///< of the places
-constexpr double colour_cast = 1.6;  ///< light changes one channel at most so many times as much as another
+constexpr double colour_cast = 1.6;                  ///< maximum ratio of the changes of two channels by light
 
 bool tells(int level) { return level >= darkest && level <= brightest; }
 
@@ -26,7 +26,7 @@ double median(std::vector<double>& numbers)
     return *middle;
 }
 
-/// How many times as bright a channel of `picture` is; nothing if too few places tell.
+/// The brightness ratio of a channel of `picture`; nothing if too few places are usable.
 std::optional<double> gain_of(const cv::Mat& picture, const cv::Mat& known)
 {
     std::vector<double> ratios;

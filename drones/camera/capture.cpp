@@ -18,7 +18,7 @@ constexpr std::chrono::seconds stalled_after{2};
 constexpr std::chrono::milliseconds shortest_pause{500}, longest_pause{10'000};
 constexpr double usual_fps = 30;
 constexpr int most_refused_logins = 3;      ///< cameras lock out users after too many attempts
-constexpr std::size_t most_problems = 100;  ///< that wait to be taken
+constexpr std::size_t most_problems = 100;  ///< pending
 
 }  // namespace
 
@@ -220,7 +220,7 @@ private:
     double fps_;
     AtEnd at_end_;
     std::string opening_;
-    hive::Backoff backoff_{shortest_pause, longest_pause};  ///< begins anew with each image
+    hive::Backoff backoff_{shortest_pause, longest_pause};  ///< reset with each image
     int logins_refused_ = 0;
     bool gives_pictures_ = false;  ///< the last attempt at one did
 

@@ -7,7 +7,7 @@
 
 namespace camera {
 
-/// A value type with no clock of its own: the caller says what time it is.
+/// A value type with no clock of its own: the caller passes the time.
 class Schedule {
 public:
     using Clock = std::chrono::steady_clock;
@@ -45,7 +45,7 @@ class OwnTimes {
 public:
     using Clock = Schedule::Clock;
 
-    /// @param usual  how long an image stays whose successor does not tell: the last of a round, or before a leap
+    /// @param usual  duration of an image without a usable successor: the last of a round, or before a leap
     explicit OwnTimes(Clock::duration usual) : usual_(usual) {}
 
     /// Of the next image. No burst follows a pause.
@@ -68,7 +68,7 @@ private:
     Clock::duration usual_;
     Clock::time_point start_, next_;
     std::chrono::microseconds last_ =
-        std::chrono::microseconds::max();  ///< the first one begins, like one that goes back
+        std::chrono::microseconds::max();  ///< the first one restarts, like one that goes back
 };
 
 }  // namespace camera

@@ -25,7 +25,7 @@ std::vector<unsigned char> read_file(const fs::path& path)
     return bytes;
 }
 
-/// As cv::imread gives it, but for grey images of 16 bits, which keep them.
+/// As by cv::imread, except that grey images of 16 bits keep them.
 void decode(const std::vector<unsigned char>& bytes, cv::Mat& picture)
 {
     if (bytes.empty())

@@ -24,11 +24,11 @@ struct Frame {
     std::vector<Truth> truth;                                ///< of the scene: what was drawn, and where
     std::vector<DrawnHand> hands;                            ///< of the scene
     bool knows_truth = false;
-    std::int64_t index = 0;  ///< in the source, from 0; begins again when the source is looped
-    std::string file;        ///< where it was read; empty: elsewhere
+    std::int64_t index = 0;                               ///< in the source, from 0; restarts when the source is looped
+    std::string file;                                     ///< where it was read; empty: elsewhere
     std::optional<std::chrono::microseconds> media_time;  ///< its own time in a video
     double fps = 0;                                       ///< of that video or device; 0: unknown
-    std::string device;                                   ///< what the device says that it gives
+    std::string device;                                   ///< the mode that the device reports
     bool begins_again = false;                            ///< the first of a video that is played once more
     std::chrono::system_clock::time_point captured{};
 };
@@ -37,9 +37,9 @@ enum class SourceKind { scene, image, folder, video, device, url };
 
 struct SourceSettings {
     std::string text = "scene";  ///< scene, scene:brick|noise|plain, a path, /dev/videoN, http(s):// or rtsp://
-    cv::Size size{0, 0};         ///< of the scene, and asked of a device; 0: 640 and 480. Files and URLs have their own
+    cv::Size size{0, 0};         ///< of the scene, and requested from a device; 0: 640 and 480. Not for files and URLs
     double fps = 0;              ///< requested from a device; 0: driver default
-    bool loop = true;            ///< files begin again at their end
+    bool loop = true;            ///< play files in a loop
     SceneSettings scene;         ///< its size and background are taken from above
     std::string credentials = {};   ///< of a network camera: a file with user:password; empty: of the environment
     std::string transport = "tcp";  ///< of RTSP
@@ -80,7 +80,7 @@ public:
 };
 
 /// The kind of source by its text, without opening it (files are checked, devices and networks are not queried).
-/// @throws std::runtime_error  if there can be none: no such file, an unknown word, a URL with a password in it
+/// @throws std::runtime_error  for an invalid source: no such file, an unknown keyword, a URL with a password
 SourceKind source_kind(const std::string& text);
 
 /// Is this file an image that OpenCV reads, by its name, or else by its first bytes?

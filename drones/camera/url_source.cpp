@@ -32,7 +32,7 @@ public:
         return result;
     }
 
-    /// As the stream's own header says, or its description; a rate that no camera has is none.
+    /// From the stream's own header or its description; 0 for a rate that no camera has.
     [[nodiscard]] double fps() const override
     {
         for (const double fps : {av_q2d(decoder_->framerate), input_.described_fps()})

@@ -16,7 +16,7 @@ extern "C" {
 namespace camera {
 namespace {
 
-constexpr double slowest_fps = 0.001;  ///< a lower rate is none that a file means
+constexpr double slowest_fps = 0.001;  ///< a lower rate is not plausible
 constexpr AVRational microsecond{1, 1'000'000};
 constexpr std::int64_t latest = std::int64_t{1} << 52;  ///< microseconds: no video is 140 years long
 
@@ -132,7 +132,7 @@ void VideoInput::feed()
             refused(refusal);
 }
 
-/// What comes before the first frame that needs no other is no loss.
+/// Packets before the first key frame are not a loss.
 void VideoInput::refused(int code)
 {
     if (awaits_first())
@@ -152,7 +152,7 @@ std::optional<std::chrono::microseconds> VideoInput::time() const
     const auto stamp = frame_->best_effort_timestamp;
     if (stamp == AV_NOPTS_VALUE)
         return std::nullopt;
-    // Each by itself: what a damaged file says is of any size.
+    // Checked separately: values of a damaged file may be of any size.
     const auto origin = origin_ == AV_NOPTS_VALUE ? 0 : origin_;
     const auto in_file = av_rescale_q(stamp, video_->time_base, microsecond),
                at_begin = av_rescale_q(origin, video_->time_base, microsecond);

@@ -20,7 +20,7 @@ public:
 
     /// The next frame in the order of presentation, valid until the next call; null at the end.
     const AVFrame* next();
-    /// When that frame is presented, from the beginning of the stream on, if the file tells it.
+    /// The presentation time of that frame, from the start of the stream, if the file has it.
     [[nodiscard]] std::optional<std::chrono::microseconds> time() const;
     /// Of the stream; 0: unknown.
     [[nodiscard]] double fps() const { return fps_; }

@@ -54,7 +54,7 @@ private:
         index_ = 0;
     }
 
-    /// That of the presentation. Where the file does not tell it, or it does not go on, frames are counted.
+    /// The presentation time. If the file has none, or it does not increase, frames are counted.
     std::chrono::microseconds time()
     {
         const double fps = input_->fps();

@@ -58,7 +58,7 @@ std::string variable(const char* name)
     return value ? value : "";
 }
 
-/// Half a login would be tried all the same, and cameras count.
+/// A half-written login would be tried, and cameras count attempts.
 std::optional<Credentials> credentials_of_environment(const CredentialVariables& names)
 {
     const Credentials found{variable(names.user), variable(names.password), {}};

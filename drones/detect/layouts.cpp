@@ -127,7 +127,7 @@ constexpr double max_share = 16;  ///< of a box that is written in shares; in px
 
 int rows_of(const Shape& shape) { return shape[shape.size() - 2]; }
 
-/// Without the ones at its front: what is left is a table.
+/// Without leading sides of 1: the rest is a table.
 bool is_table(const Shape& shape)
 {
     return shape.size() >= 2 && std::all_of(shape.begin(), shape.end() - 2, [](int side) { return side == 1; });
@@ -176,7 +176,7 @@ public:
     }
 
 private:
-    /// Masks show in the outputs; of keypoints and angles only the task tells.
+    /// Masks are recognizable by the outputs; keypoints and angles only by the task.
     bool suits_the_task() const
     {
         if (known_.task.empty())
@@ -278,7 +278,7 @@ private:
         return std::nullopt;
     }
 
-    /// A number for each box, twice: all known networks give the classes before the scores.
+    /// One number per box, twice: in all known networks the classes precede the scores.
     std::optional<Place> in_three(std::size_t boxes) const
     {
         const Shape& place = shapes_[boxes];
@@ -293,7 +293,7 @@ private:
                                  : std::nullopt;
     }
 
-    /// Logits are of either DETR, and only the number of the names tells which.
+    /// Both DETRs have logits, and only the number of names distinguishes them.
     bool fits_classes(int across) const
     {
         const int more = layout_.background == Background::last ? 1 : 0;

@@ -55,8 +55,8 @@ struct Knowledge {
 /// A layout, and the outputs in which it is.
 struct Place {
     const Layout* layout = nullptr;
-    std::size_t boxes = 0, scores = 0;  ///< places in the list of outputs; the same one but for Table::apart and lists
-    std::size_t class_numbers = 0;      ///< where Layout::class_at is; the same one as scores but for Table::lists
+    std::size_t boxes = 0, scores = 0;  ///< places in the list of outputs; equal except for Table::apart and lists
+    std::size_t class_numbers = 0;      ///< where Layout::class_at is; equal to scores except for Table::lists
     std::size_t prototypes = 0;         ///< of masks
     int classes = 0;                    ///< scores of a row
     int numbers = 3;                    ///< of a keypoint

@@ -13,7 +13,7 @@ struct Best {
     double score = 0;
 };
 
-/// The number of a class is a float like the others; one that is none becomes -1.
+/// The number of a class is a float like the others; an invalid one becomes -1.
 int class_from(float number) { return number >= 0 && number < 1e6F ? static_cast<int>(number) : -1; }
 
 double score_from(const float* numbers, int classes, int index, Layout::Scores kind)
@@ -52,7 +52,7 @@ cv::Rect2d box_from(const float* row, const Layout& layout, cv::Size input)
     return {cv::Point2d(x, y), cv::Size2d(third - x, fourth - y)};
 }
 
-/// What follows box and class in a row.
+/// The values after box and class in a row.
 void add_extra(Candidate& candidate, const float* row, int across, const Place& place)
 {
     const Layout& layout = *place.layout;

@@ -67,7 +67,7 @@ private:
 };
 
 /// The lines of the file; none without a path.
-/// @throws std::runtime_error  when the file cannot be read or is none of class names
+/// @throws std::runtime_error  if the file cannot be read or is not a list of class names
 std::vector<std::string> class_names(const std::string& path);
 /// "104,177,123" or one number for all channels. @throws std::runtime_error
 cv::Scalar mean_from(const std::string& text);

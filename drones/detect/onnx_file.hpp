@@ -12,10 +12,10 @@
 namespace detect {
 
 struct ModelCard {
-    cv::Size input;                      ///< px; 0: not fixed, or not told
-    std::vector<std::string> names;      ///< of the classes, empty: not told
-    std::string task;                    ///< detect, segment, pose, obb or classify; empty: not told
-    int keypoints = 0, numbers = 3;      ///< of an object, and of a keypoint; 0: not told
+    cv::Size input;                      ///< px; 0: not fixed, or unknown
+    std::vector<std::string> names;      ///< of the classes, empty: unknown
+    std::string task;                    ///< detect, segment, pose, obb or classify; empty: unknown
+    int keypoints = 0, numbers = 3;      ///< of an object, and of a keypoint; 0: unknown
     std::vector<std::string> operators;  ///< of its graph, each once, in the order of their first use
 
     bool operator==(const ModelCard&) const = default;

@@ -15,11 +15,11 @@ using Contour = std::vector<cv::Point>;
 
 constexpr double near_palm = 1.55;  ///< nearer to the centre is palm
 constexpr double finger_length =
-    0.20;  ///< a fingertip is at least so much farther from the centre than where the finger begins
+    0.20;  ///< a fingertip is at least this much further from the centre than the root of the finger
 constexpr double finger_width = 0.85;  ///< a finger is at most so wide, an arm is wider
 constexpr double defect_depth = 0.30;  ///< shallower ones are within a finger
 constexpr double arm_reach = 2.6;      ///< an arm goes at least so far from the centre, knuckles do not
-constexpr double palm_share = 0.75;    ///< an arm is at most 1 / so many times as wide as the palm
+constexpr double palm_share = 0.75;    ///< an arm is at most 1 / this as wide as the palm
 constexpr double smallest_palm = 6;    ///< px; below it fingers are of one pixel
 
 /// Specks and hairs narrower than `smooth` go, gaps are closed.
@@ -173,7 +173,7 @@ private:
         const double width = length(left - right) / hand_.radius;
         const double length_seen = distance(tip) - std::max(distance(left), distance(right));
         if (width <= finger_width && length_seen >= finger_length
-            && !at_border(tip))  // what is cut off there may be anything
+            && !at_border(tip))  // a cut-off piece may be anything
             fingers_.push_back({tip, distance(tip)});
         else if (width > finger_width) {
             arms_ += distance(tip) >= arm_reach ? 1 : 0;

@@ -14,7 +14,7 @@ namespace gesture {
 /// convexity defects between fingers; a narrow piece that reaches far enough is a finger, a wide one is the arm.
 class GestureFinder {
 public:
-    int max_hands = 1;      ///< the largest so many silhouettes are read
+    int max_hands = 1;      ///< number of silhouettes to read, the largest first
     int smooth = 5;         ///< narrower specks, hairs and gaps of the silhouette are ignored, px; 0: none
     double min_area = 0.5;  ///< of the smallest silhouette, % of the image
 

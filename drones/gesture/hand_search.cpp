@@ -13,7 +13,8 @@
 namespace gesture {
 namespace {
 
-/// Faces are looked for in images of at most so many px a side: smaller ones are too far away to read the hand.
+/// Images are reduced to at most this many px per side for face detection: smaller faces are too far away to read the
+/// hand.
 constexpr double face_picture = 640;
 /// Of a palm's disc, in widths of the face (as the cascade frames it), and without a face in shorter sides of the
 /// image.

@@ -16,13 +16,13 @@ public:
     };
 
     /// From the pixels of a BGR image where `where` (8 bit, its size) is not 0; nothing if there are fewer than 20. A
-    /// third of them may be something else (eyes, hair, a beard): the median decides what is near enough to count.
+    /// third of them may be something else (eyes, hair, a beard): pixels far from the median are ignored.
     static std::optional<SkinColour> learn(const cv::Mat& picture, const cv::Mat& where, Spread least);
 
     /// How far another skin's mean is from this one, in standard deviations.
     [[nodiscard]] double distance(const SkinColour& other) const;
 
-    /// 255 where a pixel of a BGR image is within so many standard deviations, else 0.
+    /// 255 where a pixel of a BGR image is within this many standard deviations, else 0.
     [[nodiscard]] cv::Mat mask(const cv::Mat& picture, double deviations) const;
 
 private:

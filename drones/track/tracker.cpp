@@ -161,8 +161,8 @@ void Tracker::pair(const Round& round, std::span<const Box> boxes, std::vector<b
         }
 }
 
-/// Which boxes show several tracks at once? Such a box says that they are there, but not where, so they go on as
-/// predicted until they part.
+/// Finds boxes that show several tracks at once. Such a box proves their presence, but not their positions, so they
+/// continue as predicted until they part.
 std::vector<bool> Tracker::share(std::span<const Box> boxes)
 {
     std::vector<bool> shared;
@@ -206,8 +206,8 @@ void Tracker::notice_replaced(std::span<const Box> boxes)
     }
 }
 
-/// Of a thing that is cut off by the border of the image, only the edge inside tells where it is: it is as large as
-/// before. So it goes out at its speed, and does not stay at the border until somebody else comes in.
+/// For an object that is cut off by the border of the image, only the inner edge shows its position: its size stays. So
+/// it leaves at its speed, and does not stay at the border until another object enters.
 Box Tracker::completed(const Followed& one, const Box& box) const
 {
     Box whole = box;
@@ -250,7 +250,7 @@ double Tracker::cost(const Followed& one, const Box& found) const
     return *looks > stranger ? alone : alone * ((1 - appearance) * motion + appearance * *looks);
 }
 
-/// A weak box is believed only where something is expected, whatever it looks like.
+/// A weak box is accepted only where a track is expected, with any appearance.
 double Tracker::cost_of_weak(const Followed& one, const Box& box) const
 {
     const double overlap = intersection_over_union(one.box(), box);

@@ -16,27 +16,27 @@ namespace track {
 /// px; x and y are the left upper corner.
 struct Box {
     double x = 0, y = 0, w = 0, h = 0;
-    double score = std::numeric_limits<double>::infinity();  ///< how sure its finder is of it; not told: entirely
-    Look look = {};                                          ///< of what is in it
+    double score = std::numeric_limits<double>::infinity();  ///< confidence of its finder; default: certain
+    Look look = {};                                          ///< appearance of its content
     bool operator==(const Box&) const = default;
 };
 
 double intersection_over_union(const Box& a, const Box& b);
 
-/// A thing that is followed, as seen from outside.
+/// A tracked object, as callers see it.
 struct Track {
     std::int64_t id = 0;              ///< from 1, never used again
-    Box box;                          ///< where it is, or without a box of its own: where it should be
+    Box box;                          ///< its box; predicted if it has no box of its own
     int age = 1;                      ///< images since its first box, that one included
     double seconds = 0;               ///< since its first box
     double speed_x = 0, speed_y = 0;  ///< px/s
-    int hits = 1;                     ///< boxes that it had for itself
+    int hits = 1;                     ///< boxes of its own
     int missing = 0;                  ///< images since it was seen last, alone or in one box with others
-    bool confirmed = false;           ///< had enough boxes to be believed
+    bool confirmed = false;           ///< had enough boxes
     bool operator==(const Track&) const = default;
 };
 
-/// The most boxes of one image, and the most tracks at a time: more boxes are an error, further births wait.
+/// Maximum boxes per frame, and maximum tracks at a time: more boxes are an error, further tracks start later.
 inline constexpr std::size_t most_boxes = 256;
 
 /// The same boxes at the same times give the same tracks.
@@ -49,10 +49,10 @@ public:
         0.7;  ///< how far a box may be from where it is expected, in diagonals of the two boxes (their mean). Above 0
     double agility = 2;  ///< how much the speed may change, in sides of the box (root of its area) per s^2. Above 0
     double strong =
-        0.5;  ///< a box with a lower score begins no track, and goes only to a track that no other box wants
-    double appearance = 0.4;       ///< how much looks count beside motion, 0 to 1; 0: motion alone
-    double width = 0, height = 0;  ///< of the images, px: a track that is more than half outside ends; 0: unknown
-    double max_gap = 2;  ///< images further apart have nothing to do with each other, s: all tracks end. Above 0
+        0.5;  ///< a box with a lower score starts no track, and only continues a track that no strong box matches
+    double appearance = 0.4;       ///< weight of the appearance relative to motion, 0 to 1; 0: motion alone
+    double width = 0, height = 0;  ///< of the image, px: a track that is more than half outside ends; 0: unknown
+    double max_gap = 2;            ///< s; all tracks end at a larger gap between frames. Above 0
 
     /// The next image. @param seconds  its time on any clock; earlier than the last one: all tracks end
     /// @param boxes  with sides above 0, at most most_boxes
@@ -62,7 +62,7 @@ public:
     void restart();
 
 private:
-    /// A track and what is known about its motion and its looks.
+    /// A track with its motion and appearance.
     struct Followed {
         Followed(std::int64_t id, const Box& box);
         void predict(double passed, double agility);
@@ -78,7 +78,7 @@ private:
         int replaced = 0;      ///< images in a row in which something that looks different was in its place
         bool has_box = false;  ///< of its own, in this image
     };
-    /// A round in which tracks without a box and boxes without a track are paired.
+    /// A round of pairing tracks without a box and boxes without a track.
     struct Round {
         bool weak;                                                   ///< with the weak boxes; otherwise the strong ones
         double (Tracker::*cost)(const Followed&, const Box&) const;  ///< below `alone`: may be a pair

@@ -48,7 +48,7 @@ private:
     [[nodiscard]] Jpeg make_plain_jpeg() const;
 
     Origin origin_;
-    std::shared_ptr<Source> source_;  ///< of all that are captioned anew
+    std::shared_ptr<Source> source_;  ///< shared by all copies with a new caption
     Look look_;
     mutable std::once_flag drawn_once_, encoded_once_, plain_once_;
     mutable cv::Mat drawn_;

@@ -1,4 +1,4 @@
-// Keeps the drone from writing to a FIFO, a device or a socket: opening a FIFO would wait for its reader for ever.
+// Keeps the drone from writing to a FIFO, a device or a socket: opening a FIFO would wait for its reader forever.
 #pragma once
 
 #include <filesystem>

@@ -1,5 +1,6 @@
-# shellcheck shell=bash Runs commands as a reader of a page would: ends streaming commands by Ctrl-C after $patience
-# seconds. To be sourced; $program is hivectl.
+# shellcheck shell=bash
+# Runs commands as a reader of a page would: ends streaming commands by Ctrl-C after $patience seconds. To be sourced;
+# $program is hivectl.
 set -euo pipefail
 hivectl() {
     local code=0 limit=60

@@ -16,7 +16,7 @@ enum class Policy { none, basic, digest, basic_digest };
 struct LoginRules {
     Policy policy = Policy::none;
     bool qop = true;
-    int nonce_uses = 0;  ///< after so many a nonce is stale; 0: never
+    int nonce_uses = 0;  ///< a nonce is stale after this many; 0: never
 };
 
 /// The hexadecimal response of a digest. @param qop  with nc and cnonce; empty: the form without

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# One seed in two processes, which have other addresses, other environments and other histories before it, is told alike.
-# Usage: two_processes.sh SIMULATE
+# One seed gives the same digest in two processes with different addresses, environments and earlier histories. Usage:
+# two_processes.sh SIMULATE
 set -euo pipefail
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT

@@ -1,5 +1,5 @@
 #!/bin/sh
-# A program is skipped (77) if every chosen case was, and nothing failed. Usage: skips.sh PROGRAM
+# A program is skipped (77) if every selected case was skipped and none failed. Usage: skips.sh PROGRAM
 gives() {
     code=$1
     shift
