@@ -11,7 +11,7 @@ struct DrawnHand {
     double radius = 45;   ///< of the palm, px
     int fingers = 5;      ///< 0, a fist, to 5
     double rotation = 0;  ///< degrees clockwise; 0: fingers up, arm down
-    double arm = 1.9;     ///< what there is of it below the centre of the palm, in radii
+    double arm = 1.9;     ///< its length below the centre of the palm, in radii
 
     bool operator==(const DrawnHand&) const = default;
 };

@@ -59,7 +59,7 @@ VideoInput::VideoInput(const std::string& path) : path_(path)
 void VideoInput::open()
 {
     input_ = opened(path_);
-    problem_.clear();  // an odd header matters only if it keeps the file from being opened
+    problem_.clear();  // an odd header is ignored if the file can be opened
     const AVCodec* codec = nullptr;
     has_index_ = std::any_of(input_->streams, input_->streams + input_->nb_streams, [](const AVStream* stream) {
         return stream->codecpar->codec_type == AVMEDIA_TYPE_VIDEO && avformat_index_get_entries_count(stream) > 0;
@@ -85,7 +85,7 @@ void VideoInput::open_decoder(const AVCodec* codec)
     ffmpeg::checked(avcodec_parameters_to_context(decoder_.get(), video_->codecpar), "FFmpeg");
     decoder_->pkt_timebase = video_->time_base;
     decoder_->max_pixels = UrlLimits{}.pixels;
-    decoder_->thread_count = 0;  // as many as there are cores: a file is not to be waited for
+    decoder_->thread_count = 0;  // one per core: a file must not be slow
     ffmpeg::checked(avcodec_open2(decoder_.get(), codec, nullptr), "FFmpeg");
 }
 
@@ -127,7 +127,7 @@ void VideoInput::feed()
         begins_inside_ = (packet_->flags & AV_PKT_FLAG_KEY) == 0;
     if (!awaits_first() && (packet_->flags & AV_PKT_FLAG_CORRUPT) != 0)
         note("a part of it is missing");
-    if (packet_->size > 0)  // an empty one would mean the end
+    if (packet_->size > 0)  // an empty packet would signal the end
         if (const int refusal = avcodec_send_packet(decoder_.get(), packet_.get()); refusal < 0)
             refused(refusal);
 }

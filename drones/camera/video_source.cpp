@@ -1,4 +1,4 @@
-// Videos that are files, once or again and again.
+// Video files, once or in a loop.
 #include "video_source.hpp"
 
 #include "frame_pictures.hpp"
@@ -45,7 +45,7 @@ public:
     [[nodiscard]] std::string cut_short() const override { return input_->shortfall(); }
 
 private:
-    /// The file is opened once more: not every format can be searched. If it is gone, this round stays at its end.
+    /// Reopens the file, because not every format is seekable. If the file is gone, this round stays at its end.
     void begin_again()
     {
         if (const auto problem = cut_short(); !problem.empty() && !std::exchange(told_, true))

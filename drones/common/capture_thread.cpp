@@ -1,4 +1,4 @@
-// Starts the thread and ends it.
+// Starts and stops the thread.
 #include "capture_thread.hpp"
 
 namespace capture {

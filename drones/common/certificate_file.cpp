@@ -1,4 +1,4 @@
-// Looks for the line with which every certificate in PEM begins.
+// Searches for the line with which every PEM certificate starts.
 #include "certificate_file.hpp"
 
 #include <filesystem>

@@ -1,4 +1,4 @@
-// Looks at every few pixels of the box, and gives each to the two nearest greys and the two nearest hues.
+// Samples pixels of the box, and adds each to the two nearest greys and the two nearest hues.
 #include "colours.hpp"
 
 #include <algorithm>
@@ -14,7 +14,7 @@ constexpr double most_pixels = 4000;
 
 using Histogram = std::array<double, half>;
 
-/// Hue, in sixths of the circle from red, and how colourful it is, 0 to 1.
+/// Hue, in sixths of the circle from red, and saturation, 0 to 1.
 struct Hue {
     double place, strength;
 };

@@ -1,4 +1,4 @@
-// Opens the file before it checks it, so that the file that was checked is the one that is read.
+// Opens the file before it checks it, so that the checked file is the one that is read.
 #include "login_file.hpp"
 
 #include <fcntl.h>
@@ -43,7 +43,7 @@ std::string text_of(const std::string& path)
     return {buffer.data(), size > 0 ? static_cast<std::size_t>(size) : 0};
 }
 
-/// Takes the first line away from the text.
+/// Removes the first line from the text.
 std::string next_line(std::string& text)
 {
     const std::string line = text.substr(0, text.find_first_of("\r\n"));

@@ -1,4 +1,4 @@
-// Counts on from the number that the name ends with.
+// Continues from the number at the end of the name.
 #include "next_free.hpp"
 
 namespace next_free {

@@ -1,4 +1,4 @@
-// Hides the login, leaves out what follows a question mark, and cuts long texts.
+// Hides the login, removes the query, and truncates long texts.
 #include "shown_url.hpp"
 
 #include <algorithm>

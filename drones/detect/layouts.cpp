@@ -122,8 +122,8 @@ constexpr std::array known_layouts{
            .scores = Scores::softmax},
 };
 
-constexpr int max_listed = 1000;  ///< no suppression leaves more, and hardly a network looks at fewer places
-constexpr double max_share = 16;  ///< of a box that is written in shares; in px a network's boxes reach further
+constexpr int max_listed = 1000;  ///< no suppression leaves more, and hardly any network has fewer places
+constexpr double max_share = 16;  ///< of a box in shares; boxes in px reach further
 
 int rows_of(const Shape& shape) { return shape[shape.size() - 2]; }
 
@@ -155,7 +155,7 @@ Extra extra_of(const std::string& task)
                              : Extra::none;
 }
 
-/// Looks for one layout among the outputs.
+/// Searches for one layout among the outputs.
 class Search {
 public:
     Search(const Layout& layout, const std::vector<Shape>& shapes, const Knowledge& known, bool told)
@@ -236,7 +236,7 @@ private:
         return fits ? std::optional(place) : std::nullopt;
     }
 
-    /// How many numbers at the end of a row are more than a box and its class.
+    /// The number of values in a row after a box and its class.
     std::optional<int> numbers_of_extra(int across, Place& place) const
     {
         switch (layout_.extra) {

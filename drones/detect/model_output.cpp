@@ -96,7 +96,7 @@ std::vector<Candidate> rows_of(const std::vector<cv::Mat>& outputs, const Place&
         const float* numbers = boxes.ptr<float>(row);
         const Best best = best_of(scores.ptr<float>(row), class_numbers.ptr<float>(row), place);
         if (best.score < min_score || (layout.image_at >= 0 && numbers[layout.image_at] < 0))
-            continue;  // SSD fills up its table with an image of -1
+            continue;  // SSD fills up its table with rows of image -1
         Candidate candidate{
             .box = box_from(numbers, layout, input), .class_index = best.class_index, .score = best.score};
         add_extra(candidate, numbers, boxes.cols, place);

@@ -165,7 +165,7 @@ std::string Network::name(int class_index) const
     return index < names_.size() ? names_[index] : std::to_string(class_index);
 }
 
-/// Of the boxes of one class that overlap, the best.
+/// Keeps the best of overlapping boxes of one class.
 std::vector<Candidate> Network::kept(std::vector<Candidate> found) const
 {
     std::map<int, std::vector<std::size_t>> by_class;

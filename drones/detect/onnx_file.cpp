@@ -17,7 +17,7 @@ constexpr int largest_side = 4096;
 constexpr std::size_t most_names = 10'000, max_task = 32, max_operator = 64, max_operators = 200;
 constexpr int max_keypoints = 1000;
 
-/// The fields of one message, one after the other. Whatever is wrong ends them.
+/// Iterates over the fields of one message. Any error ends the iteration.
 class Fields {
 public:
     Fields(std::istream& file, std::uint64_t length)
@@ -25,7 +25,7 @@ public:
     {
     }
 
-    /// Goes to the next field, over what was not read of the last one.
+    /// Goes to the next field, skipping the unread part of the last one.
     bool next()
     {
         if (!file_.seekg(static_cast<std::streamoff>(after_ ? after_ : here())) || here() >= end_)

@@ -1,5 +1,5 @@
-// Runs models with ONNX Runtime through its C interface. The library is loaded when it is wanted, so neither the build
-// nor a machine without it needs it.
+// Runs models with ONNX Runtime through its C interface. The library is loaded on demand, so neither the build nor a
+// machine without it needs it.
 #include "engine.hpp"
 
 #include <dlfcn.h>
@@ -52,7 +52,7 @@ class Api {
 public:
     explicit Api(const std::string& library)
     {
-        void* const loaded = load(library);  // for good: it has threads of its own
+        void* const loaded = load(library);  // never unloaded: it has threads of its own
         const auto base = loaded ? reinterpret_cast<const Base* (*)()>(::dlsym(loaded, "OrtGetApiBase")) : nullptr;
         table_ = base ? base()->get_api(1) : nullptr;
         if (!table_)
@@ -60,7 +60,7 @@ public:
                               + (library.empty() ? "libonnxruntime.so.1" : library));
     }
 
-    /// @throws EngineError  with what the library says
+    /// @throws EngineError  with the error of the library
     template <class... Arguments>
     void call(Function function, Arguments... arguments) const
     {

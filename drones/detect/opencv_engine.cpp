@@ -16,7 +16,7 @@ namespace detect {
 namespace {
 
 /// Operators of today's exports that OpenCV 4.6 lacks (modules/dnn/src/onnx/onnx_importer.cpp, the dispatch map). Its
-/// own message blames the first node that stands behind one of them.
+/// own message names the first node after one of them.
 constexpr std::array<std::string_view, 30> rare{"TopK",
                                                 "NonMaxSuppression",
                                                 "GridSample",
@@ -55,7 +55,7 @@ bool is_layer(const std::string& name)
         cv::dnn::LayerParams parameters;
         return !cv::dnn::LayerFactory::createLayerInstance(name, parameters).empty();
     } catch (const cv::Exception&) {
-        return true;  // it wants parameters
+        return true;  // it requires parameters
     }
 }
 

@@ -13,7 +13,7 @@
 namespace face {
 namespace {
 
-/// What a face takes of each of the model's three outputs.
+/// The number of values per face in each of the model's three outputs.
 constexpr std::array<std::pair<const char*, std::size_t>, 3> outputs{{{"loc", 14}, {"conf", 2}, {"iou", 1}}};
 constexpr int boxes_before_suppression = 5000;
 

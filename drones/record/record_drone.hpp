@@ -65,13 +65,13 @@ private:
     std::chrono::steady_clock::time_point clip_ends_{};  ///< after the last event that fits
     Opened opened_;
     std::string writes_;  ///< the file of `writer_`, or of the last one; empty: none yet
-    std::string ended_;   ///< how the last file ended with its source, while nothing came after it
+    std::string ended_;   ///< how the last file ended with its source, until the next event
     std::unique_ptr<hive::recording::Writer> writer_;
     struct Dropped {
         std::int64_t seen = 0;   ///< the connection's own count, which restarts with the connection
         std::int64_t total = 0;  ///< since the file was opened
     };
-    std::map<std::string, Dropped> dropped_;  ///< by where the connection comes from
+    std::map<std::string, Dropped> dropped_;  ///< by sender of the connection
     bool reported_ = false;                   ///< that the disk failed
     struct Former {                           ///< the members of these names, as they were before another file was set
         Opened opened;

@@ -38,7 +38,7 @@ std::int64_t Playback::advance(bool again)
     return pause;
 }
 
-/// The mean distance of the events; more where a round would be so short that it comes to spinning.
+/// The mean interval of the events; longer if a round would be so short that the loop would spin.
 std::int64_t Playback::pause_us() const
 {
     constexpr std::int64_t shortest_round_us = 100'000;

@@ -193,7 +193,7 @@ std::vector<std::vector<Tracker::Followed*>> Tracker::gathered(std::span<const B
     return inside;
 }
 
-/// Is something in its place that looks entirely different? Then the track has slipped off what it followed, mostly
+/// Is something of an entirely different appearance in its place? Then the track has drifted off its object, usually
 /// onto the background.
 void Tracker::notice_replaced(std::span<const Box> boxes)
 {

@@ -31,7 +31,7 @@ Answer answer_to(const Request& request, const Exchange& exchange, const Address
         return page("text/javascript; charset=utf-8", std::string(page_js));
     if (request.path == "/status.json")
         return page("application/json", status_of(exchange.newest(), browsers.now).dump());
-    const bool plain = request.path.starts_with("/plain/");  // what the page shows: it says itself what a caption would
+    const bool plain = request.path.starts_with("/plain/");  // for the page, which shows the caption's content itself
     if (request.path == "/picture.jpg" || request.path == "/plain/picture.jpg")
         return exchange.newest().number > 0 ? Answer{{.type = "image/jpeg"}, Answer::picture, plain}
                                             : sentence(503, "There is no picture yet.");

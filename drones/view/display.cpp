@@ -1,4 +1,4 @@
-// Uses Xlib alone, because its header defines words that others use as names.
+// Uses Xlib in a file of its own, because its header defines macros with common names.
 #include "display.hpp"
 
 #include <X11/Xlib.h>

@@ -14,12 +14,12 @@ void Exchange::put(std::shared_ptr<const Picture> picture, Time now)
         next.version = newest_.version + 1;
         captioned_ = now;
         std::swap(newest_, next);
-    }  // the pixels of the former one are given back outside of the lock
+    }  // the pixels of the former one are released without the lock
 }
 
 Exchange::Newest Exchange::newest(Time now) const
 {
-    std::shared_ptr<const Picture> former;  // its pixels are given back outside of the lock
+    std::shared_ptr<const Picture> former;  // its pixels are released without the lock
     const std::lock_guard lock(mutex_);
     if (newest_.number > 0 && !newest_.going_on(now) && now - captioned_ >= caption_every) {
         captioned_ = now;

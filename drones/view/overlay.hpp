@@ -17,7 +17,7 @@ struct Origin {
     std::int64_t sequence = 0;  ///< of the capture
     cv::Size size = {};         ///< px
     std::optional<std::chrono::system_clock::time_point> captured = {};
-    double rate = 0;  ///< frames per second when it came; 0: not known yet
+    double rate = 0;  ///< frames per second at its arrival; 0: not known yet
 };
 
 /// "face.annotated from camera  29.8 fps  12 ms"; unknown parts are omitted.

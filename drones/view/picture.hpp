@@ -22,7 +22,7 @@ public:
     };
     struct Look {
         bool overlay = true;  ///< the caption; without it a JPEG stays unchanged
-        int quality = 80;     ///< 1 to 100, of what is encoded here
+        int quality = 80;     ///< 1 to 100, of JPEGs encoded here
     };
 
     Picture(Origin origin, Content content, Look look);

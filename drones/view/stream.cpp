@@ -1,5 +1,5 @@
-// Writes the parts of a multipart body. The line that ends a part leaves together with it, because browsers show a
-// image when they see it.
+// Writes the parts of a multipart body. Sends the line that ends a part together with the part, because browsers show
+// an image only at that line.
 #include "stream.hpp"
 
 #include <algorithm>

@@ -114,7 +114,7 @@ void ViewDrone::take(const hive::Event& event)
 Picture::Content ViewDrone::content_of(const hive::Event& event) const
 {
     hive::Event picture = event;
-    picture.ticket = {};  // looking is not working on it
+    picture.ticket = {};  // acknowledged now: viewing is not processing
     Picture::Content content{[this, picture] {
                                  try {
                                      return hive::vision::view(picture);
@@ -150,7 +150,7 @@ void ViewDrone::hold(const hive::Event& event)
     drone_.wake();
 }
 
-/// Lets go of the images that were shown long enough; returns when the next one was.
+/// Releases images that were shown long enough; returns the time of the next release.
 std::chrono::microseconds ViewDrone::step()
 {
     const auto now = Clock::now();

@@ -1,4 +1,4 @@
-// Shows OpenCV's window, and polls it a hundred times a second for what the user does.
+// Shows OpenCV's window, and polls it for input a hundred times a second.
 #include "window.hpp"
 
 #include "display.hpp"
@@ -49,7 +49,7 @@ void Window::run(const std::function<void()>& closed)
             show(newest);
         if (open_ && !visible_) {
             cv::destroyWindow(name);
-            cv::waitKey(1);  // it goes when the toolkit has its turn
+            cv::waitKey(1);  // the toolkit closes the window here
             open_ = false;
         }
         if (!open_ && !ending_)

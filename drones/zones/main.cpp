@@ -1,4 +1,4 @@
-// The zones drone receives tracks, and publishes counts per zone and line, and what happened there.
+// The zones drone receives tracks, and publishes counts and events per zone and line.
 #include "report.hpp"
 
 #include <frame_order.hpp>
@@ -50,7 +50,7 @@ private:
         const auto zones = read("zones", zones_, zones::read_zones), lines = read("lines", lines_, zones::read_lines);
         counter_.arrange(zones, lines);
         const Times used{anchor_, fps_};
-        restart_ = restart_ || used != used_;  // places and times before do not compare with those after
+        restart_ = restart_ || used != used_;  // earlier places and times are not comparable with later ones
         used_ = used;
     }
 

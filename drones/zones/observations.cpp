@@ -37,7 +37,7 @@ Observation observation_of(const hive::Json& box, const Frame& frame, Anchor anc
     return one;
 }
 
-/// Of a track only what others need to draw it.
+/// Only the fields of a track that are needed to draw it.
 hive::Json short_form(const hive::Json& box)
 {
     hive::Json result;

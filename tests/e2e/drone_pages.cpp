@@ -27,11 +27,11 @@ const std::string recording = "hivectl start camera; hivectl start face; hivectl
                               "hivectl results face -n 1 > first.log\n"
                               "hivectl record camera face.faces -n 40 -o run.hive; hivectl stop --all\n";
 
-// Needs hardware: without it the command has to be refused.
+// Needs hardware: without it the command must be refused.
 const std::string set_device = "if [ -e /dev/video0 ]; then hivectl set cam source=/dev/video0 width=1280 height=720\n"
                                "else hivectl set cam source=/dev/video0 width=1280 height=720 || [ $? = 5 ]; fi";
 
-// Ports are replaced by ones that are free, and a camera in the network by the emulated one.
+// Replaces ports by free ones, and a network camera by the emulated one.
 const std::vector<Page> pages{
     {"annotate", "", {}},
     {"axis",
@@ -61,7 +61,7 @@ const std::vector<Page> pages{
      {}},
 };
 
-/// The lines that are indented as commands are, outside of fenced blocks.
+/// The indented lines, which are commands, outside of fenced blocks.
 std::string commands_on(const fs::path& page)
 {
     std::ifstream in(page);
@@ -82,15 +82,15 @@ std::string replaced(std::string text, const std::string& from, const std::strin
     return text;
 }
 
-/// A moment of patience with a server; and who failed.
+/// Retries while a server starts; reports the failing command.
 constexpr auto patient_reader = R"(
 trap 'kill $(jobs -p) 2> /dev/null || true' EXIT
 trap 'echo "failed: $BASH_COMMAND" >&2' ERR
 curl() { command curl --silent --show-error --fail --retry 20 --retry-delay 1 --retry-connrefused "$@"; }
 )";
 
-/// A screen where Xvfb can make one; without it, or where the window's library would be blamed for its leaks, no window
-/// is opened.
+/// A virtual screen, if Xvfb is installed; without it, or if a sanitizer would report leaks of the window's library, no
+/// window is opened.
 std::string screen_for(const Page& page)
 {
     if (page.folder != "view")

@@ -1,4 +1,4 @@
-// Machines, and what the form puts onto them: /etc and /run of each are what is there, and that.
+// Creates machines with the files of an export form: /etc and /run of each, plus these files.
 #include "engine_lab.hpp"
 
 #include <algorithm>
@@ -14,7 +14,7 @@ namespace {
 
 constexpr auto camera_address = "192.0.2.10";  // as in scripts/swarms/axis.json
 
-/// What an engine puts there lies in `root` of the home.
+/// Files of an engine are in `root` of the home.
 constexpr auto with_files = R"(for top in "$0"/root/*; do
     [ ! -d "$top" ] || mount -t overlay overlay -o "lowerdir=$top:/${top##*/}" "/${top##*/}" || exit 125
 done

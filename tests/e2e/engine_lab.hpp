@@ -1,6 +1,5 @@
-// A stand-in for the engines for which a swarm is written: runs the command lines of a written swarm as its engine
-// would, with the environment, the files and the names of hosts that the form says. Needs what a Lab needs, and
-// Python's yaml.
+// A fake of the engines of exported swarms: runs the command lines of an exported swarm as its engine would, with the
+// environment, files and host names of the form. Needs a Lab, and Python's yaml.
 #pragma once
 
 #include "lab.hpp"
@@ -22,25 +21,25 @@ public:
     /// @param swarm_file  a swarm without machines; a camera of the kind axis is emulated at 192.0.2.10
     EngineLab(std::string form, const std::filesystem::path& swarm_file);
 
-    /// Ends also what a script has left in the background.
+    /// Also stops background processes of a script.
     ~EngineLab();
     EngineLab(const EngineLab&) = delete;
     EngineLab& operator=(const EngineLab&) = delete;
 
     [[nodiscard]] const std::vector<std::string>& drones() const { return names_; }
-    /// Runs the command line of a drone; it need not have come up yet.
+    /// Runs the command line of a drone, without waiting until it is ready.
     void start(const std::string& drone);
-    /// When all were started: what a script does then. Returns when hivectl knows where they are.
+    /// Call it when all are started: runs the rest of a script. Returns when hivectl has their places.
     void finish() const;
     /// SIGKILL.
     void kill(const std::string& drone);
-    /// Kills all that run; homes are empty from now on, as they are in a folder that lasts until a reboot.
+    /// Kills all drones and empties their homes, like a folder that lasts until a reboot.
     void reboot();
-    /// Whether the engine, which asks as the form says, would call the drone well.
+    /// Is the drone healthy by the engine's check in the form?
     [[nodiscard]] bool is_well(const std::string& drone) const;
-    /// A command beside a drone, with what the drone has.
+    /// Runs a command next to a drone, in the drone's environment.
     [[nodiscard]] Finished beside(const std::string& drone, const std::vector<std::string>& words) const;
-    /// A line of a shell with hivectl: where the drones are, or else on a machine that knows where they are.
+    /// Runs a shell command with hivectl: on the drones' machine, or else on one that has their places.
     [[nodiscard]] Finished shell(const std::string& line) const;
     std::string shell_done(const std::string& line) const;
 

@@ -1,5 +1,5 @@
-// The commands of the pages in libhive/docs/ about one machine, a few machines, Slurm and Kubernetes, run as they stand
-// there. What this machine does not have (systemd, a container engine, a cluster of Kubernetes) is stood in for.
+// Runs the commands of the pages in libhive/docs/ about one machine, a few machines, Slurm and Kubernetes unchanged.
+// Fakes replace systemd, the container engine and the Kubernetes cluster.
 #include "engine_lab.hpp"
 #include "free_port.hpp"
 #include "reader.hpp"
@@ -48,7 +48,7 @@ std::ptrdiff_t results_in(const std::string& printed)
     return count;
 }
 
-/// systemctl runs what the units say; of containers everything is checked that can be without an engine for them.
+/// A fake systemctl runs the units; of containers it checks everything that needs no engine.
 constexpr auto stand_ins = R"(
 unset XDG_CONFIG_HOME HIVE_KEY
 export HOME=$PWD
@@ -98,12 +98,12 @@ kubectl() {
 }
 )";
 
-/// A live source's result that came before all workers were heard is missing, which exit code 8 says.
+/// A result of a live source that arrives before all workers are received is missing, hence exit code 8.
 constexpr auto live = R"live(eval "$(declare -f hivectl | sed '1s/hivectl/told/')"
 hivectl() { told "$@" || [ "$1:$?" = results:8 ]; }
 )live";
 
-/// Runs a page, and gives back the file of the swarm that it writes.
+/// Runs a page, and returns the swarm file that it writes.
 std::string run_page(const Swarm& swarm, const std::string& page)
 {
     const auto commands = commands_of(page) + "[ \"$(hivectl ps --json)\" = '[]' ]\n";
@@ -114,7 +114,7 @@ std::string run_page(const Swarm& swarm, const std::string& page)
     return (swarm.home() / "doorway.json").string();
 }
 
-/// What a page runs in a container: the lines with a word, and behind it the drone.
+/// The commands of a page in a container: the lines with a keyword, followed by the drone.
 void run_in_containers(const std::string& page, const std::string& form, const std::string& file,
                        const std::string& word)
 {
@@ -159,7 +159,7 @@ TEST_CASE("pages: the commands on the page of a few machines work as they stand 
     if (!possible(missing_for_lab()))
         return;
     const Lab lab({"cam1", "gpu1", "gpu2"});
-    // The source is live, so a result that came before all workers were heard is missing, which exit code 8 says.
+    // The source is live, so a result that arrives before all workers are received is missing, hence exit code 8.
     const std::string reader = "cd; set -e\nhivectl() { command hivectl \"$@\" || [ \"$1:$?\" = results:8 ]; }\n";
     std::string printed;
     for (const auto& block : blocks_of("a-few-machines.md"))
@@ -197,7 +197,7 @@ hivectl() {
     const auto done = lab.shell("exec /bin/bash \"$HIVE_HOME/page.sh\"");
     CHECK_MESSAGE(done.exit_code == 0, "exit code ", done.exit_code, " of\n", commands, "\nit printed\n", done.out,
                   done.err);
-    CHECK_MESSAGE(results_in(done.out) == 8, done.out, done.err);  // in the allocation, and of the job
+    CHECK_MESSAGE(results_in(done.out) == 8, done.out, done.err);  // in the allocation, and for the job
     CHECK(eventually([&] { return lab.shell_done("squeue --noheader --format=%i") == lab.job() + "\n"; }, 30'000ms));
 }
 

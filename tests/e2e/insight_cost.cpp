@@ -47,7 +47,7 @@ public:
         again("-b " + page_.cookie() + " " + page_.address() + "/drone/worker-1 " + page_.address() + "/ask/worker-1",
               "2");
     }
-    /// Those of Hive; curl stands for what others run elsewhere.
+    /// The processes of Hive; curl is a client that would run elsewhere.
     [[nodiscard]] Pids pids() const
     {
         Pids pids{page_.pid()};

@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The commands under "examples:" of a verb's help, without what they do.
+/// The commands under "examples:" of a verb's help, without their descriptions.
 std::vector<std::string> examples(const Swarm& swarm, const std::string& verb)
 {
     std::istringstream help(swarm.hivectl_done({verb, "--help"}));

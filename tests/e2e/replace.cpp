@@ -99,7 +99,7 @@ private:
     std::int64_t last_ = 0;
 };
 
-/// A program hive-KIND that a shell runs. It describes itself as told, and does otherwise what `body` says.
+/// A program hive-KIND as a shell script. It prints the given description, and otherwise runs `body`.
 void write_program(const fs::path& folder, const std::string& kind, const std::string& interface,
                    const std::string& body)
 {

@@ -26,7 +26,7 @@ Json shared_face()
     return content;
 }
 
-/// The seconds of an `up`, and what it did.
+/// The duration of an `up`, and its steps.
 struct Timed {
     explicit Timed(const Machines& machines, const std::string& what) : begin(Clock::now()), steps(machines.up())
     {

@@ -121,10 +121,10 @@ public:
                 " of a core");
         return most >= 0.95 * fps && share < 0.75;
     }
-    /// For 24 pictures (0.8 s at 30 fps) from when what was before has settled, and until there are results enough of
-    /// all but one. The clock of face goes on by 100 ms for each result, and while the drone sleeps. How long it works,
-    /// and waits for a core, is left out: that is OpenCV's and the machine's, and differs from picture to picture. What
-    /// is left is how soon it has the next picture.
+    /// Measures for 24 frames (0.8 s at 30 fps) after earlier changes have settled, and until all but one have enough
+    /// results. The clock of face advances by 100 ms per result, and while the drone sleeps. Its working time and its
+    /// waits for a core are excluded: they depend on OpenCV and the machine, and differ per frame. The rest is the
+    /// delay until it has the next frame.
     [[nodiscard]] Arrivals watch(const std::string& without = {})
     {
         arrivals(*collector, 200ms);
@@ -260,9 +260,9 @@ TEST_CASE("three swarms: each has its own rate, and stopping one changes those o
     std::map<std::pair<std::string, std::string>, std::vector<double>> ratios;
     std::map<std::string, std::vector<double>> by_itself;  // with all, how one time differs from the next
     std::vector<double> slower;
-    // With and without take turns, and each without is compared with what is before and after it, so that what else the
-    // machine does meets both alike. The first round ends and starts processes, the others cut and join connections,
-    // which is quicker.
+    // Alternates runs with and without, and compares each run without with those before and after it, so that other
+    // load affects both equally. The first round stops and starts processes, the others only disconnect and connect,
+    // which is faster.
     auto before = swarms.watch();
     for (int round = 0; round < 5; ++round)
         for (const auto& own : owns) {

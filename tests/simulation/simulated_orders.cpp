@@ -148,7 +148,8 @@ void SimulatedGround::thaw(const std::string& drone, std::chrono::milliseconds l
     links_.thawed(drone, world_.now());
 }
 
-/// Between two drones, a while after a step. Who collects keeps its connections: an exception waits for nobody.
+/// Between two drones, some time after a step. The collector keeps its connections, because exceptions wait for no
+/// receiver.
 void SimulatedGround::cut_sometimes()
 {
     if (!world_.chance(30))

@@ -71,7 +71,7 @@ private:
     sigset_t before_;
 };
 
-/// Only what may be called between fork and exec of a process with threads.
+/// Calls only functions that are safe between fork and exec in a process with threads.
 [[noreturn]] void become(char* const* words, char* const* environment, int out, int err, const sigset_t& signals)
 {
     for (const int handled : {SIGINT, SIGTERM, SIGHUP})

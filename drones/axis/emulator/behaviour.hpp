@@ -20,7 +20,7 @@ struct Behaviour {
     std::string length = "right";    ///< right, missing, short, long, text, huge
     std::string line_end = "crlf";   ///< crlf, lf
 
-    // what it does wrong
+    // faults
     bool down = false;          ///< no listener, all connections end
     bool mute = false;          ///< accepts connections and sends nothing
     bool stall = false;         ///< streams pause

@@ -10,13 +10,13 @@
 namespace axis::emulator {
 
 struct Request {
-    std::string method, target;                              ///< as they came
+    std::string method, target;                              ///< as received
     std::string path;                                        ///< without the query
     std::vector<std::pair<std::string, std::string>> query;  ///< decoded, in order
     std::string authorization;
     std::size_t body_size = 0;
 
-    /// The value of a word of the query; empty if it is not there.
+    /// The value of a key of the query; empty if missing.
     [[nodiscard]] std::string word(std::string_view name) const;
 };
 

@@ -157,7 +157,7 @@ void add_losses(AuditRow& row)
         add("dropped", receiver, input->dropped, true);
         add("abandoned", receiver, input->abandoned, true);
         add("unmatched", receiver, input->unmatched, false);
-        if (row.ends.options().group.empty())  // a member hands back what it discards
+        if (row.ends.options().group.empty())  // a member returns discarded events
             add("discarded", receiver, input->discarded, false);
     }
 }

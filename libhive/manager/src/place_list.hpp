@@ -31,7 +31,7 @@ private:
     void write(const std::vector<Place>& places) const;
 
     std::filesystem::path file_, lock_;
-    mutable std::vector<Place> read_;  ///< what the file held when it was this one:
+    mutable std::vector<Place> read_;  ///< the content of the file in this version:
     mutable struct stat of_ {
     };
 };

@@ -25,9 +25,9 @@ public:
     void write(int end, std::span<const asio::const_buffer> from, std::shared_ptr<Operation> operation);
     /// The other end gets the bytes in flight, and then the end of the stream.
     void close(int end);
-    /// What this end sends arrives after that time.
+    /// Bytes sent by this end arrive only after that time.
     void hold(int end, Time until) { ways_[end].last = std::max(ways_[end].last, until); }
-    /// What this end sends from now on arrives as this says.
+    /// Filters the bytes that this end sends from now on.
     void rewrite(int end, Process::Said said) { ways_[end].said = std::move(said); }
     /// Both ends lose it now, with all bytes in flight.
     void cut();

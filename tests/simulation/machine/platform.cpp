@@ -87,7 +87,7 @@ void Timer::cancel()
         operation->finish(asio::error::operation_aborted);
 }
 
-/// Nobody sends any: a history kills, or orders a stop.
+/// There are no signals: a history kills, or orders a stop.
 struct Signals::Real {};
 Signals::Signals(asio::io_context&, std::function<void(int)>) {}
 Signals::~Signals() = default;

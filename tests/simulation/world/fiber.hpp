@@ -18,7 +18,7 @@ public:
 
     /// Runs it until it leaves or has ended. Also from inside another one.
     void enter();
-    /// From inside: back to whoever entered, until it is entered again.
+    /// From inside: returns to the caller of enter(), until it is entered again.
     void leave();
     [[nodiscard]] bool ended() const { return ended_; }
 

@@ -48,7 +48,7 @@ public:
     Process& process;
     Fiber fiber;
     bool runnable = true;
-    std::uint64_t waits = 0;                           ///< counts its waits, so that an old alarm wakes nobody
+    std::uint64_t waits = 0;                           ///< counts its waits, so that an old alarm has no effect
     const std::function<bool()>* condition = nullptr;  ///< of the present wait; null: only its alarm ends it
 };
 
@@ -84,7 +84,7 @@ public:
     asio::io_context& context;
     Process& process;
     bool started = false;
-    int turns = 0;  ///< how often whoever runs has taken the turn
+    int turns = 0;  ///< how often a thread has taken the turn
     std::vector<Thread*> waiting;
 
 private:
@@ -112,7 +112,7 @@ public:
     std::map<std::int64_t, Time> unheard;  ///< by the pid of a process that gets nothing from here until then
     int machine = 0;                       ///< two on different ones have different clocks
     using Said = std::function<std::string(const std::string&)>;
-    std::function<Said()> said = {};  ///< for each connection, what arrives of what is sent from here; empty: all
+    std::function<Said()> said = {};  ///< per connection, a filter of the bytes sent from here; empty: all arrive
 };
 
 class World {
