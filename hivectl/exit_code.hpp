@@ -39,7 +39,7 @@ void print_failures_as_json();
 /// @param subject  the drone or port that the error concerns, if known
 void complain_about(std::string_view verb, const hive::Error& error, std::string_view subject = {});
 
-/// How something asked of several drones went, drone by drone. Failures go to stderr as they come.
+/// Collects the results of a request to several drones. Prints failures on stderr as they occur.
 class Outcome {
 public:
     explicit Outcome(std::string_view verb) : verb_(verb) {}
@@ -47,7 +47,7 @@ public:
     void failed(std::string_view subject, const hive::Error& error);
     /// 0 when nothing failed, 8 when only some did, the common code when all failed alike, otherwise 1.
     [[nodiscard]] int exit_code() const;
-    /// Of a verb that went on with those that had not failed, and ended with `code`.
+    /// The exit code of a verb that continued without the failed ones, and ended with `code`.
     [[nodiscard]] int exit_code(int code) const;
 
 private:
@@ -56,7 +56,7 @@ private:
     std::set<int> codes_;
 };
 
-/// The exit code of a verb that has failed with its only subject; stderr says why.
+/// Prints the reason of a failure with a verb's only subject, and returns the exit code.
 int exit_code_of_failure(std::string_view verb, std::string_view subject, const hive::Error& error);
 
 }  // namespace hivectl

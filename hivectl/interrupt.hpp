@@ -23,7 +23,7 @@ bool requested();
 int exit_code();
 /// Makes the process exit with exit_code() after this many seconds, whatever it is doing.
 void exit_after(unsigned seconds);
-/// Sleeps until Ctrl-C; false when it was pressed.
+/// Sleeps this long, or until Ctrl-C; false if it was pressed.
 bool sleep(std::chrono::milliseconds duration);
 
 }  // namespace hivectl::interrupt

@@ -1,4 +1,4 @@
-// Fits a label into an image: its size, its words and its place.
+// Fits a label into an image: chooses its size, text and place.
 #include "label.hpp"
 
 #include <opencv2/imgproc.hpp>

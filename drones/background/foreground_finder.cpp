@@ -1,4 +1,4 @@
-// Applies OpenCV's subtractors, then morphology, then looks for connected parts.
+// Applies OpenCV's subtractors, then morphology, then finds connected parts.
 #include "foreground_finder.hpp"
 
 #include "light.hpp"

@@ -47,7 +47,7 @@ public:
     int open = 1;        ///< specks thinner than about twice this are erased, px; 0: none
     int close = 5;       ///< gaps narrower than about twice this are filled, px; 0: none
     int min_area = 300;  ///< of a blob, px
-    double light = 50;   ///< so much foreground, % of the image, may be a change of the light; 100: nothing is
+    double light = 50;   ///< foreground, % of the image, above which to check for a change of the light; 100: never
 
     /// Processes the next image. The first one, and one of another size or number of channels, starts a new model; so
     /// does one that is mostly the known background in another light.
@@ -67,7 +67,7 @@ private:
     cv::Size size_;
     int type_ = 0;
     std::int64_t learned_ = 0, known_at_ = 0;
-    cv::Mat known_;  ///< the background when known_at_ images were learned, small; empty: not looked at yet
+    cv::Mat known_;  ///< small copy of the background after known_at_ images; empty: none yet
 };
 
 }  // namespace background

@@ -1,4 +1,4 @@
-// A face drawn from ellipses, which frontal face detectors take for a real one.
+// A face drawn from ellipses, which frontal face detectors detect as a real one.
 #pragma once
 
 #include <opencv2/core/mat.hpp>

@@ -1,4 +1,4 @@
-// A person drawn from lines and ellipses, walking: people detectors take it for a real one before a wall that is
+// A walking person drawn from lines and ellipses: people detectors detect it as a real one in front of a wall that is
 // lighter than its clothes.
 #pragma once
 

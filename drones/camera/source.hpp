@@ -29,7 +29,7 @@ struct Frame {
     std::optional<std::chrono::microseconds> media_time;  ///< its own time in a video
     double fps = 0;                                       ///< of that video or device; 0: unknown
     std::string device;                                   ///< the mode that the device reports
-    bool begins_again = false;                            ///< the first of a video that is played once more
+    bool begins_again = false;                            ///< the first frame of a repetition of a video
     std::chrono::system_clock::time_point captured{};
 };
 
@@ -57,7 +57,7 @@ public:
     /// The next image; nothing at the end. A device or a URL waits for it, at most about 2 s.
     /// @throws std::runtime_error  naming the unreadable input
     virtual std::optional<Frame> next() = 0;
-    /// Images per second that the source was made with; 0 if it has no rate of its own.
+    /// The source's own rate in images per second; 0 if it has none.
     [[nodiscard]] virtual double fps() const { return 0; }
     /// How many images it has in all, exactly after the last one; 0: unknown, or no end.
     [[nodiscard]] virtual std::int64_t count() const { return 0; }

@@ -60,7 +60,7 @@ void UrlInput::connect()
     require(code);
 }
 
-/// The first address is the one given; others would come from the stream.
+/// The first address is the given one; others would be from the stream.
 int UrlInput::open_io(AVFormatContext* context, AVIOContext** io, const char* url, int flags, AVDictionary** options)
 {
     auto& self = *static_cast<UrlInput*>(context->opaque);
@@ -118,7 +118,7 @@ bool UrlInput::interrupted()
     return Clock::now() >= deadline_ || !guard_.refusal().empty();
 }
 
-/// The first packet of video that there is a decoder for chooses the stream.
+/// The first packet of video with a supported codec selects the stream.
 bool UrlInput::choose(const AVPacket& packet)
 {
     const AVCodecParameters& codec = *input_->streams[packet.stream_index]->codecpar;

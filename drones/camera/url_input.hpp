@@ -27,11 +27,11 @@ public:
 
     /// The next packet of video that can be decoded; false at the end of the stream.
     bool read(AVPacket& packet);
-    /// Hands a packet to a decoder; one that is damaged is skipped, one whose image is too large is refused.
+    /// Passes a packet to a decoder; skips a damaged one, and refuses one whose image is too large.
     void decode(AVCodecContext& decoder, const AVPacket& packet);
     /// Of the packets that read() returns; null before the first.
     [[nodiscard]] const AVStream* video() const;
-    /// Frames per second, as the description of an RTSP stream says; 0: it does not.
+    /// Frames per second by the description of an RTSP stream; 0: unknown.
     [[nodiscard]] double described_fps() const { return described_fps_; }
     /// The deadline for the next packets, and the error if they miss it.
     void expect_until(Clock::time_point deadline, const char* otherwise);

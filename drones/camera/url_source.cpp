@@ -42,7 +42,7 @@ public:
     }
 
 private:
-    /// The stream is decoded from its first packet on: FFmpeg's own look at a stream decodes without a limit of pixels.
+    /// Decodes from the first packet on: FFmpeg's own probing decodes without a limit of pixels.
     void open_decoder()
     {
         const AVCodecParameters* parameters = input_.video()->codecpar;
@@ -55,7 +55,7 @@ private:
         ffmpeg::checked(avcodec_open2(decoder_.get(), codec, nullptr), input_.shown());
     }
 
-    /// The next packet goes to the decoder; false at the end. One that is damaged is passed over.
+    /// Passes the next packet to the decoder; false at the end. Skips damaged ones.
     bool feed()
     {
         if (!input_.read(*packet_))

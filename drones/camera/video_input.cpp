@@ -108,7 +108,7 @@ const AVFrame* VideoInput::next()
     }
 }
 
-/// The next packet of the video goes to the decoder; at the end, nothing more.
+/// Passes the next packet of the video to the decoder; at the end, flushes the decoder.
 void VideoInput::feed()
 {
     const FfmpegLogWatch watch(*this);

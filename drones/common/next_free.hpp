@@ -7,7 +7,7 @@
 namespace next_free {
 
 /// "run-2.hive" for "run.hive", "run-3.hive" for that, "run-2/" for "run/"; the first that does not exist.
-/// @param folder  where `file` is looked for when it is relative; empty: in the present one
+/// @param folder  base of a relative `file`; empty: the working directory
 std::string after(const std::filesystem::path& folder, const std::filesystem::path& file);
 
 }  // namespace next_free

@@ -22,7 +22,7 @@ struct NetworkSettings {
     std::string fit = "auto";     ///< a name of a Fit::Kind; "auto": crop for a classifier, else letterbox
     double scale = 1.0 / 255;     ///< the input is (pixel - mean) * scale
     cv::Scalar mean;              ///< for each channel, in the order of the model
-    bool swap = true;             ///< the model wants RGB; images are BGR
+    bool swap = true;             ///< the model's input is RGB; images are BGR
     std::string engine = "auto";  ///< "opencv", "onnxruntime", or "auto": OpenCV, else ONNX Runtime if it is there
     std::string onnxruntime;      ///< path of its library; empty: where the dynamic linker finds it
 

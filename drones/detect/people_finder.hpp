@@ -11,7 +11,7 @@ namespace detect {
 
 class PeopleFinder {
 public:
-    double hit_threshold = 0;  ///< margin that a window needs: higher finds fewer, and fewer that are none
+    double hit_threshold = 0;  ///< minimum margin of a window: a higher one finds fewer, with fewer false ones
     double enlarge = 1;        ///< the image, 1 to 4 times: people must be at least 96 px high in the enlarged image
     double scale = 1.05;       ///< step between image scales, 1.01 to 2
     int stride = 8;            ///< between windows, px: a multiple of 4

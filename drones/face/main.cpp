@@ -63,7 +63,7 @@ public:
         if (yunet_.empty())
             network_.reset();
         else if (yunet_ != loaded_yunet_)
-            network_ = face::YunetFinder(yunet_);  // made first: one that cannot be made leaves the old one
+            network_ = face::YunetFinder(yunet_);  // loaded first: a failure keeps the old one
         loaded_yunet_ = yunet_;
     }
 

@@ -18,7 +18,7 @@ constexpr double finger_length =
     0.20;  ///< a fingertip is at least this much further from the centre than the root of the finger
 constexpr double finger_width = 0.85;  ///< a finger is at most so wide, an arm is wider
 constexpr double defect_depth = 0.30;  ///< shallower ones are within a finger
-constexpr double arm_reach = 2.6;      ///< an arm goes at least so far from the centre, knuckles do not
+constexpr double arm_reach = 2.6;      ///< an arm reaches at least this far from the centre, knuckles do not
 constexpr double palm_share = 0.75;    ///< an arm is at most 1 / this as wide as the palm
 constexpr double smallest_palm = 6;    ///< px; below it fingers are of one pixel
 
@@ -37,7 +37,7 @@ cv::Mat cleaned(const cv::Mat& silhouette, int smooth)
 
 double length(const cv::Point2d& vector) { return std::hypot(vector.x, vector.y); }
 
-/// One silhouette on its way to be a hand.
+/// Reads one silhouette as a hand.
 class Reading {
 public:
     Reading(Contour contour, cv::Size picture) : contour_(std::move(contour)), picture_(picture)

@@ -1,4 +1,4 @@
-// Skin, then places for palms, then a close look at each.
+// Finds skin, then places for palms, then examines each.
 #include "hand_search.hpp"
 
 #include <opencv2/imgproc.hpp>

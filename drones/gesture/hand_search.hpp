@@ -21,7 +21,7 @@ class HandSearch {
 public:
     int max_hands = 1;
     double tolerance = 3;  ///< how far a colour may be from that of the skin, standard deviations
-    cv::Rect region;       ///< of skin, px; empty: look for a face
+    cv::Rect region;       ///< of skin, px; empty: detect a face
     SkinRange range;       ///< without a face and a region
     /// Decides which of the best places is a hand, and reads it; null: decide by the outline.
     std::optional<HandLandmarks> landmarks;

@@ -90,7 +90,7 @@ public:
         if (landmarks_.empty())
             search_.landmarks.reset();
         else if (landmarks_ != loaded_landmarks_)
-            search_.landmarks = gesture::HandLandmarks(landmarks_);  // made first: if it cannot be, the old one stays
+            search_.landmarks = gesture::HandLandmarks(landmarks_);  // loaded first: a failure keeps the old one
         loaded_landmarks_ = landmarks_;
         search_.region = region;
         search_.range = silhouette_.skin;

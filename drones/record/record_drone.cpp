@@ -171,7 +171,7 @@ void RecordDrone::put_back()
     former_.reset();
 }
 
-/// The set of another file holds, because no other code of the drone runs before that is decided.
+/// The set of another file is committed, because the drone runs no other code before the decision.
 void RecordDrone::part()
 {
     const auto former = std::exchange(former_, std::nullopt);

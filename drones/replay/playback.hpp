@@ -26,7 +26,7 @@ public:
     /// @param again  at the end the first one follows
     /// @return       then how long after the last one, in µs of the recording; otherwise 0
     std::int64_t advance(bool again);
-    /// How often it has begun again.
+    /// Number of repetitions.
     [[nodiscard]] std::int64_t rounds() const noexcept { return rounds_; }
 
 private:

@@ -14,7 +14,7 @@ namespace replay {
 /// User thread.
 class ReplayDrone {
 public:
-    /// The outputs are those of the recording that the drone is started with; without one there is `events`, for
+    /// The outputs are those of the recording with which the drone is started; without one there is `events`, for
     /// everything.
     explicit ReplayDrone(hive::Drone& drone);
     void run() { drone_.run(); }
@@ -59,7 +59,7 @@ private:
     std::vector<Declared> outputs_;
     Opened opened_;
     std::unique_ptr<Playback> playback_;
-    std::int64_t rounds_before_ = 0;      ///< that were begun before this playback
+    std::int64_t rounds_before_ = 0;      ///< started before this playback
     std::vector<std::size_t> output_of_;  ///< by track
     Timeline timeline_;
     bool begun_ = false, ended_ = false, asked_before_ = false;

@@ -9,7 +9,7 @@ namespace track {
 /// Parts of a whole, with a sum of 1; empty: not known.
 using Look = std::vector<float>;
 
-/// A look of numbers that are not below 0; empty when their sum is 0.
+/// A look of non-negative numbers; empty if their sum is 0.
 Look look_of(const std::vector<double>& numbers);
 
 /// From 0, the same, to 1, nothing in common: the Hellinger distance, the root of 1 - (the sum of the roots of the

@@ -1,4 +1,4 @@
-// The page, its style and its script, which asks for status.json and writes texts, never HTML.
+// The page, its style and its script, which polls status.json and writes texts, never HTML.
 #include "page.hpp"
 
 namespace view {

@@ -1,4 +1,4 @@
-// A request for an image waits until the encoder has that, a stream until it has a newer one.
+// A request for an image waits until the encoder has it, a stream until there is a newer one.
 #include "server.hpp"
 
 #include "answer.hpp"

@@ -9,7 +9,7 @@
 
 namespace view {
 
-/// One thread serves all browsers and never waits for one of them; another one prepares the images that they ask for.
+/// One thread serves all browsers and never waits for one of them; another one prepares the requested images.
 class Server {
 public:
     using Settings = hive::http::Server::Settings;

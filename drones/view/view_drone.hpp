@@ -45,7 +45,7 @@ private:
     Rate rate_;
     std::tuple<std::string, int, std::string> served_;  ///< address, port and token; port 0: none
     std::unique_ptr<Server> server_;
-    std::unique_ptr<Window> windows_;  ///< from the first image that wants one
+    std::unique_ptr<Window> windows_;  ///< created for the first image to show
     /// Unacknowledged images, so that their senders wait, and until when.
     std::vector<std::pair<Clock::time_point, hive::Ticket>> held_;
 };

@@ -1,4 +1,4 @@
-// H.264 where there is an encoder for it, otherwise MPEG-4 or Motion JPEG.
+// H.264 if there is an encoder for it, otherwise MPEG-4 or Motion JPEG.
 #include "video_encoder.hpp"
 
 #include <opencv2/imgproc.hpp>

@@ -22,7 +22,7 @@ std::int64_t number_in(const hive::Json& header, const char* field)
     return found != header.end() && found->is_number_integer() ? found->get<std::int64_t>() : -1;
 }
 
-// No source has a rate beyond these bounds, and times that are counted by one would not fit into their numbers.
+// No source has a rate beyond these bounds, and times counted by such a rate would overflow.
 constexpr double lowest_fps = 0.01, highest_fps = 1000;
 
 double fps_in(const hive::Json& header)

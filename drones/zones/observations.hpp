@@ -15,8 +15,8 @@ struct Frame {
     hive::Json boxes = hive::Json::array();  ///< id, x, y, w, h, confirmed and missing of each, in the same order
 };
 
-/// The boxes in the array `name`; without a name `tracks`, or else the only array of objects with x, y, w and h. A
-/// track that is not confirmed is left out; one with `missing` above 0 is not seen.
+/// The boxes in the array `name`; without a name `tracks`, or else the only array of objects with x, y, w and h. Omits
+/// tracks that are not confirmed; one with `missing` above 0 is not seen.
 /// @throws hive::Error  malformed: no width and height, no such array, several, or a box far outside; too_large: more
 /// than 256 boxes
 Frame read_frame(const hive::Json& header, const std::string& name, Anchor anchor);

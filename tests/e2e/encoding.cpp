@@ -1,4 +1,4 @@
-// How pictures travel: as they are on one machine, as JPEG across a network, otherwise as the connection says.
+// Encodings of images: raw on one machine, JPEG across a network, or by the option of the connection.
 #include "swarm.hpp"
 
 #include <hive/event/module.hpp>
@@ -16,7 +16,7 @@ using hive::Json;
 
 namespace {
 
-/// Receives one output over a way of the test's choice, as a module of its own.
+/// Receives one output over a path that the test selects, as a module of its own.
 class Receiver {
 public:
     Receiver(const std::string& name, const std::string& address, const std::string& output,
@@ -37,7 +37,7 @@ public:
             module_.add_intake(spec, [this](hive::Event event) { mailbox_.push(std::move(event)); })
                 ->start([&](const hive::event::Outcome& outcome) { registered.set_value(outcome); });
         });
-        const auto outcome = registered.get_future().get();  // at the latest when its own patience is at its end
+        const auto outcome = registered.get_future().get();  // at its own timeout at the latest
         if (const auto* error = std::get_if<hive::Error>(&outcome))
             throw hive::Error(*error);
     }
@@ -64,7 +64,7 @@ std::string local_address(const Swarm& swarm, const std::string& drone)
     return "unix:" + (swarm.home() / (drone + ".sock")).string();
 }
 
-/// The address that a drone says it listens at.
+/// The listening address that a drone reports.
 std::string tcp_address(const Swarm& swarm, const std::string& drone)
 {
     const std::string text = swarm.log(drone), before = "listening on ";
@@ -151,7 +151,7 @@ TEST_CASE("encoding: in a lossless stream over TCP nothing is skipped and nothin
     Receiver receiver("far", tcp_address(swarm, "camera"), "image", "*/*", "jpeg");
     const auto first = receiver.next().identity.sequence;
     for (std::int64_t i = 1; i <= 20; ++i) {
-        const auto event = receiver.next();  // asks for the next one when it is gone
+        const auto event = receiver.next();  // requests the next one once this one is released
         CHECK(is_jpeg(event));
         CHECK(event.identity.sequence == first + i);
     }
@@ -183,7 +183,7 @@ TEST_CASE("encoding: a picture that cannot be encoded is an exception, and goes 
         const auto scene = swarm.drone("camera", "camera", {"fps=30"});
         swarm.hivectl_done({"snap", "camera", file.string()});
     }
-    // Half of the pixels and an end: a whole file by its structure, which only decoding finds wanting.
+    // Half of the pixels and an end: complete by its structure; only decoding detects the loss.
     std::filesystem::resize_file(file, std::filesystem::file_size(file) / 2);
     std::ofstream(file, std::ios::binary | std::ios::app) << "\xff\xd9";
     const auto size = std::filesystem::file_size(file);

@@ -96,7 +96,7 @@ TEST_CASE("explain: what is not connected, the wrong way round, or of types that
     CHECK_MESSAGE(pair.causes == "not_connected worker", pair.text());
     CHECK(pair.command() == "hivectl connect source worker");
     CHECK(found(swarm, "explain other counter").causes == "wrong_types counter");
-    const auto back = found(swarm, "explain worker counter");  // which takes no results, but gives the worker something
+    const auto back = found(swarm, "explain worker counter");  // it accepts no results, but gives the worker a receiver
     CHECK_MESSAGE(back.command() == "hivectl connect counter worker", back.text());
     const auto turned = found(swarm, "explain worker source");
     CHECK_MESSAGE(turned.causes == "wrong_way source", turned.text());

@@ -82,7 +82,7 @@ std::vector<std::string> live(const std::string& level)
     return lines_of(swarm, "worker");
 }
 
-/// "LEVEL TEXT" of the first line with this part; empty: there is none.
+/// "LEVEL TEXT" of the first line with this part; empty: none.
 std::string line_with(const Swarm& swarm, const std::string& name, const std::string& part)
 {
     for (const auto& line : lines_of(swarm, name))

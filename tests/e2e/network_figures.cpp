@@ -60,7 +60,7 @@ TEST_CASE("network figures: two workers on machines of their own, beside the sam
     const Lab lab({"cam1", "gpu1", "gpu2"});
     lab.share_key();
     const char* told = std::getenv("HIVE_TEST_ROUNDS");
-    const int rounds = told ? std::stoi(told) : 6;     // one is enough if it is good, unless one wants to know
+    const int rounds = told ? std::stoi(told) : 6;     // a good one ends the test, unless the number is given
     constexpr double promised = 0.97, at_least = 0.8;  // of the best round; of the median, even on a busy machine
     constexpr int images = sanitized() ? 10 : 30;
     std::vector<double> here, there, ratios;

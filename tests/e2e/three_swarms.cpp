@@ -268,7 +268,7 @@ TEST_CASE("three swarms: each has its own rate, and stopping one changes those o
         for (const auto& own : owns) {
             round == 0 ? swarms.stop(own) : swarms.disconnect(own);
             auto without = swarms.watch(own.drone);
-            CHECK(without[own.drone].size() <= 1);  // a face that was being looked for
+            CHECK(without[own.drone].size() <= 1);  // a result in progress
             round == 0 ? swarms.start(own) : swarms.connect(own);
             const auto after = swarms.watch();
             slower.push_back(static_cast<double>(after.at("face").size())

@@ -1,5 +1,4 @@
-// Measures how long events spend at each step between drones and what limits their rate, and predicts what changes
-// give.
+// Measures where events spend their time and what limits their rate, and predicts the effect of changes.
 #pragma once
 
 #include <hive/application.hpp>

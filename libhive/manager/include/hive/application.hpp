@@ -34,7 +34,7 @@ struct Place {
     bool operator==(const Place&) const = default;
 };
 
-/// The answer of one drone to something asked of several.
+/// The answer of one drone to a request to several.
 struct Answer {
     std::string drone;
     Json result;  ///< an object; meaningful without error

@@ -18,14 +18,14 @@ std::string csv_rows(const DetectedImage& image);
 class Dataset {
 public:
     enum class Added { fresh, again, other_capture };
-    /// @return  again: more boxes of an image that is there already. other_capture: another capture has this name, as
+    /// @return  again: more boxes of an image that was already added. other_capture: another capture has this name, as
     /// if a folder is read twice; then nothing is added
     /// @throws Error  refused: the event has no size of its image
     Added add(const DetectedImage& image);
 
     /// A COCO dataset: `info`, `images`, `categories` and `annotations`. Ids start at 1.
     [[nodiscard]] Json coco() const;
-    /// COCO results: `image_id`, `category_id`, `bbox` and `score`; 1 where the drone gave none.
+    /// COCO results: `image_id`, `category_id`, `bbox` and `score`; 1 if the drone has none.
     [[nodiscard]] Json coco_results() const;
     /// By name of the file, "street_00000012.txt": a line for each box, category from 0, and its centre and size as
     /// shares of the image. Boxes are cut at the border; those outside are left out.

@@ -26,7 +26,7 @@ struct DetectedImage {
     std::string source = {}, sender = {}, output = {};
     std::int64_t epoch = 0, sequence = 0, captured_us = 0;
     std::optional<std::int64_t> media_time_us = {};  ///< of an image from a video
-    std::int64_t width = 0, height = 0;              ///< px; 0: the header does not say
+    std::int64_t width = 0, height = 0;              ///< px; 0: not in the header
     std::vector<Detection> detections = {};
 };
 
