@@ -20,7 +20,7 @@ public:
     using Newest = std::function<Encoded(Exchange::Time now)>;
 
     /// @param newest  the newest image that is ready; null while there is none
-    /// @param repeat  after this long without a new picture, or a new text on it, the last one is sent again, to
+    /// @param repeat  after this long without a new image, or a new text on it, the last one is sent again, to
     ///                detect closed readers
     Stream(Newest newest, std::chrono::milliseconds repeat) : newest_(std::move(newest)), repeat_(repeat) {}
     std::size_t read(std::span<char> to, Exchange::Time now) override;
