@@ -67,7 +67,7 @@ TEST_CASE("advise: a slow worker is the bottleneck, and the command that is prop
     const auto idle = advised(swarm, {"last"});
     CHECK_MESSAGE(idle.at("limits").at(0).at("what") == "source", idle.dump(2));
     CHECK(idle.at("proposals").empty());
-    CHECK(has(swarm.hivectl_done({"advise", "last", "--time", "0.3"}), "nothing to gain"));
+    CHECK(has(swarm.hivectl_done({"advise", "last", "--time", "1"}), "nothing to gain"));
     CHECK(has(swarm.hivectl({"advise", "last", "worker"}).err, "no events go from last to worker"));
 }
 

@@ -48,6 +48,7 @@ struct Encoded {
 };
 
 struct Line {
+    double time_us = 0;            ///< for which it was measured: rates are known up to one event in this time
     bool on_demand = false;        ///< the source makes an event when it is requested
     std::string rate_parameter{};  ///< of a live source: "fps"; empty: none
     double rate_step = 0.1;        ///< of its values

@@ -374,6 +374,7 @@ std::vector<Measured> measure(Application& application, const std::vector<std::s
     for (const auto& way : ways)
         try {
             measured.push_back({way, line_of(application, looks, seen, way)});
+            measured.back().line.time_us = std::chrono::duration<double, std::micro>(time).count();
         } catch (const Error&) {  // a drone that restarts repeatedly must not hide the other lines
             if (ways.size() == 1)
                 throw;

@@ -163,8 +163,9 @@ double rate(const Line& line)
 bool explains_rate(const Line& line)
 {
     constexpr double fits = 1.15;
+    const double one_event = line.time_us > 0 ? second_us / line.time_us : 0;
     return line.per_s() > 0
-           && (rate(line) < fits * line.per_s() || std::ranges::any_of(line.stages, &Stage::saturated));
+           && (rate(line) < fits * line.per_s() + one_event || std::ranges::any_of(line.stages, &Stage::saturated));
 }
 
 double latency(const Line& line)
