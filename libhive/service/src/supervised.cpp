@@ -9,9 +9,17 @@ namespace hive::service {
 /// Repeatedly, since a message is lost if the supervisor's queue is full.
 void Supervised::ready()
 {
+    if (ended_)
+        return;
     tell("READY=1\nWATCHDOG=1");
     if (const auto patience = platform::patience_of_supervisor(); patience && speaks_)
         timer_.run_after(*patience / 3, [this] { ready(); });
+}
+
+void Supervised::end()
+{
+    ended_ = true;
+    timer_.cancel();
 }
 
 void Supervised::status(const std::string& text) const { tell("STATUS=" + printable(text)); }

@@ -15,7 +15,7 @@ public:
 
     void ready();
     void stopping() const { tell("STOPPING=1"); }
-    void end() { timer_.cancel(); }
+    void end();
     /// Any thread. What the drone waits for; empty: for nothing.
     void status(const std::string& text) const;
 
@@ -24,6 +24,7 @@ private:
 
     const bool speaks_;
     platform::Timer timer_;
+    bool ended_ = false;  ///< a cancelled timer may still run once
 };
 
 }  // namespace hive::service

@@ -16,7 +16,7 @@ namespace hive::explaining {
 class Search {
 public:
     /// @param earlier  an earlier look; null: causes that only a difference shows are assumed possible
-    /// @param self     the name of the application itself, which blocks nobody
+    /// @param self     the name of the application itself, which blocks no drone
     Search(const Look& look, const Look* earlier, const Absent& absent, std::string self)
         : look_(look), earlier_(earlier), absent_(absent), self_(std::move(self))
     {
