@@ -10,6 +10,7 @@
 #include <possible.hpp>
 
 #include <algorithm>
+#include <fstream>
 
 using namespace hive::test;
 using namespace std::chrono_literals;
@@ -124,6 +125,21 @@ TEST_CASE("many: drones that do not answer do not keep others from being dialed"
         frugal.begin_to_dial("tcp://" + host + ":" + nobody.port(), over);
     CHECK(frugal.link_to("one"));
     CHECK_FALSE(over);
+}
+
+TEST_CASE("many: on one machine there may be more drones than hivectl may have descriptors")
+{
+    const Swarm swarm;
+    const Json content{{"swarm", "many"}, {"drones", {{"work", {{"kind", "sleeper"}, {"count", 140}}}}}};
+    std::ofstream(swarm.home() / "many.json") << content;
+    const auto with_few = [&](const std::string& words) {
+        return swarm.run({"/bin/sh", "-c", "ulimit -n 128; cd $HIVE_HOME; exec hivectl " + words}, 60'000ms);
+    };
+    const auto up = with_few("up many.json");
+    REQUIRE_MESSAGE(up.exit_code == 0, up.err.substr(0, 1000));
+    CHECK(std::ranges::count(up.out, '\n') == 140);
+    CHECK(Json::parse(with_few("ps --json").out).size() == 140);
+    CHECK(std::ranges::count(with_few("down").out, '\n') == 140);
 }
 
 TEST_CASE("many: over four machines with 1,024 descriptors, up, again nothing to do, a set to all, and down")

@@ -115,9 +115,7 @@ Json Application::set(const std::string& drone, const Json& parameters)
     const auto until = core_->deadline();
     const CountedSet counted{core_->sets};
     try {
-        const auto answer = core_->ask(drone, PacketType::set,
-                                       {{"parameters", parameters}, {"deadline_ms", deadline_ms_before(until)}});
-        return parameters_in(drone, answer);
+        return parameters_in(drone, core_->ask(drone, PacketType::set, {{"parameters", parameters}}));
     } catch (const Error& error) {
         if (error.code() != Errc::timeout || event::Clock::now() < until)
             throw;

@@ -1,6 +1,8 @@
 // Sends requests to drones, one or many at once, each with a deadline.
 #include "application_core.hpp"
 
+#include "joint_set.hpp"
+
 #include <hive/name.hpp>
 #include <hive/platform/process.hpp>
 
@@ -13,8 +15,7 @@
 namespace hive {
 namespace {
 
-/// Together with longer connections, fewer than the 1,024 descriptors that a process has by default.
-constexpr std::size_t most_dialed = 768, asked_at_once = 256, most_dialing = 128;
+constexpr std::size_t asked_at_once = 256;
 constexpr std::size_t most_typed = 16;  ///< names that a person may have typed
 constexpr std::array<std::string_view, 2> left_by_crash{".state", ".crash"};
 
@@ -32,6 +33,14 @@ std::string name_of(const Application::Options& options)
         return require_name(options.name, "application");
     const int number = ++made;
     return "app-" + std::to_string(platform::own_pid()) + (number == 1 ? "" : "-" + std::to_string(number));
+}
+
+/// How many connections it keeps to ask again, and dials at a time; other descriptors are for longer connections, logs
+/// and processes. By default, a process may have 1,024.
+std::pair<std::size_t, std::size_t> most_connections()
+{
+    const auto most = std::min<std::size_t>(platform::most_descriptors(), 1024);
+    return {most / 4 * 3, most / 8};
 }
 
 /// The key file is read only when a drone is dialed over tcp.
@@ -71,8 +80,8 @@ Application::Core::Core(Application::Options options)
               .limits = {},
               .timing = {},
               .keys = keys_of(options),
-              .most_dialed = most_dialed,
-              .most_dialing = most_dialing})
+              .most_dialed = most_connections().first,
+              .most_dialing = most_connections().second})
 {
     module.start();
 }
@@ -166,7 +175,9 @@ void Application::Core::begin(const Asking& asking)
                          } else if (auto wrong = met_another(asking.place, *link)) {
                              *asking.reply = *std::move(wrong);
                          } else {
-                             link->request(asking.type, asking.header, asking.body, asking.until,
+                             auto header = asking.header;
+                             header["deadline_ms"] = deadline_ms_before(asking.until);
+                             link->request(asking.type, std::move(header), asking.body, asking.until,
                                            [this, asking](const event::Outcome& outcome) {
                                                const auto* lost = std::get_if<Error>(&outcome);
                                                if (!asking.again || !lost || lost->code() != Errc::connection_lost) {

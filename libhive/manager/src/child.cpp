@@ -166,7 +166,6 @@ Child::Child(const ChildProgram& program)
     if (error != 0)
         ::waitpid(pid_, nullptr, 0);
     require_done(error, "run " + program.words[0]);
-    descriptor_ = Descriptor(static_cast<int>(::syscall(SYS_pidfd_open, pid_, 0)));
 }
 
 Child::~Child()
@@ -190,6 +189,15 @@ Child& Child::operator=(Child&& other) noexcept
     return *this;
 }
 
+int Child::descriptor()
+{
+    if (!descriptor_ && !ended()) {
+        descriptor_ = Descriptor(static_cast<int>(::syscall(SYS_pidfd_open, pid_, 0)));
+        require_done(descriptor_ ? 0 : errno, "watch a process");
+    }
+    return descriptor_.get();
+}
+
 std::optional<int> Child::ended()
 {
     int status = 0;
@@ -200,8 +208,8 @@ std::optional<int> Child::ended()
 
 bool Child::await_end(Clock::time_point until)
 {
-    pollfd over{descriptor(), POLLIN, 0};
-    while (!ended()) {
+    for (pollfd over{-1, POLLIN, 0}; !ended();) {
+        over.fd = descriptor();
         const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - Clock::now()).count();
         if (left <= 0)
             return false;

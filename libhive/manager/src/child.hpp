@@ -32,8 +32,10 @@ public:
     Child& operator=(Child&& other) noexcept;
 
     [[nodiscard]] pid_t pid() const { return pid_; }
-    /// Readable when it has exited.
-    [[nodiscard]] int descriptor() const { return descriptor_.get(); }
+    /// A pidfd, readable when it has exited; open from now on, until let_go(). Throws Errc::io.
+    [[nodiscard]] int descriptor();
+    /// Closes the descriptor: who runs a thousand children and waits for none of them needs none.
+    void let_go() { descriptor_ = {}; }
     /// The status as of waitpid once it has exited; it is then reaped. Exit code 126 if other code of this process has
     /// reaped it: its status is unknown, and that is not a success.
     std::optional<int> ended();
@@ -44,7 +46,7 @@ public:
 
 private:
     pid_t pid_ = -1;
-    transport::Descriptor descriptor_;  ///< a pidfd
+    transport::Descriptor descriptor_;
     std::optional<int> status_{};
 };
 

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <random>
 #include <sstream>
+#include <sys/resource.h>
 #include <thread>
 #include <unistd.h>
 
@@ -47,6 +48,12 @@ bool process_is_suspended(std::int64_t pid)
 void kill_process(std::int64_t pid) { ::kill(static_cast<pid_t>(pid), SIGKILL); }
 
 void sleep_for(std::chrono::nanoseconds time) { std::this_thread::sleep_for(time); }
+
+std::size_t most_descriptors()
+{
+    rlimit limit{};
+    return ::getrlimit(RLIMIT_NOFILE, &limit) == 0 ? limit.rlim_cur : 1024;
+}
 
 std::uint64_t entropy()
 {

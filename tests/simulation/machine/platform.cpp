@@ -34,6 +34,7 @@ std::int64_t own_pid() noexcept { return world().current() ? world().current()->
 bool process_ends(std::int64_t pid) { return world().ends(pid); }
 void kill_process(std::int64_t pid) { world().kill(pid); }
 void sleep_for(std::chrono::nanoseconds time) { world().sleep(time); }
+std::size_t most_descriptors() { return 1024; }
 std::uint64_t entropy() { return world().entropy(); }
 ProcessUsage process_usage() { return {}; }
 MachineUsage machine_usage() { return {}; }

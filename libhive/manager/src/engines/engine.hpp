@@ -37,7 +37,7 @@ public:
     virtual std::vector<Report> poll() = 0;
     /// One of these descriptors is readable when poll() may have a new report. Without any, poll() must be called
     /// regularly.
-    [[nodiscard]] virtual std::vector<int> descriptors() const { return {}; }
+    [[nodiscard]] virtual std::vector<int> descriptors() { return {}; }
     /// Call it if a reported drone does not answer: poll() then reports its state again.
     virtual void look_again(const std::string& drone, const Error& why) = 0;
     /// An error of a drone of this engine, with advice for its machine.

@@ -31,7 +31,7 @@ public:
         std::ranges::move(drones, std::back_inserter(waiting_));
     }
     std::vector<Report> poll() override;
-    [[nodiscard]] std::vector<int> descriptors() const override;
+    [[nodiscard]] std::vector<int> descriptors() override;
     void look_again(const std::string& drone, const Error& why) override;
     BackgroundProcess* process(const std::string& drone) override;
     std::vector<SwarmFailure> stop(const std::vector<std::string>& drones, Clock::time_point until) override;
@@ -72,6 +72,7 @@ std::vector<Engine::Report> LocalEngine::poll()
         if (!begun.met)
             if (auto report = look(begun)) {
                 begun.met = true;
+                begun.process.let_go();
                 --not_met_;
                 reports.push_back(*std::move(report));
             }
@@ -93,10 +94,10 @@ BackgroundProcess* LocalEngine::process(const std::string& drone)
     return found == begun_.end() ? nullptr : &found->process;
 }
 
-std::vector<int> LocalEngine::descriptors() const
+std::vector<int> LocalEngine::descriptors()
 {
     std::vector<int> ends;
-    for (const auto& begun : begun_)
+    for (auto& begun : begun_)
         if (!begun.met)
             ends.push_back(begun.process.descriptor());
     return ends;

@@ -53,7 +53,7 @@ public:
 
     void begin(std::vector<SwarmDrone> drones, Clock::time_point until) override;
     std::vector<Report> poll() override;
-    [[nodiscard]] std::vector<int> descriptors() const override;
+    [[nodiscard]] std::vector<int> descriptors() override;
     void adopt(const std::vector<std::string>& drones) override { adopted_.insert(drones.begin(), drones.end()); }
     void look_again(const std::string& drone, const Error& why) override;
     std::vector<SwarmFailure> stop(const std::vector<std::string>& drones, Clock::time_point until) override;
@@ -113,6 +113,7 @@ std::vector<Engine::Report> SlurmEngine::poll()
     for (auto& step : steps_)
         if (auto report = step.met ? std::nullopt : look(step)) {
             step.met = true;
+            step.process.let_go();
             reports.push_back(*std::move(report));
         }
     auto not_met = std::ranges::count(steps_, false, &Step::met);
@@ -128,10 +129,10 @@ void SlurmEngine::look_again(const std::string& drone, const Error&)
             step.met = false;
 }
 
-std::vector<int> SlurmEngine::descriptors() const
+std::vector<int> SlurmEngine::descriptors()
 {
     auto all = asking_ ? asking_->descriptors() : std::vector<int>();
-    for (const auto& step : steps_)
+    for (auto& step : steps_)
         if (!step.met)
             all.push_back(step.process.descriptor());
     return all;

@@ -45,7 +45,7 @@ public:
         until_ = until;
     }
     std::vector<Report> poll() override;
-    [[nodiscard]] std::vector<int> descriptors() const override;
+    [[nodiscard]] std::vector<int> descriptors() override;
     void adopt(const std::vector<std::string>& drones) override { begun_.insert(drones.begin(), drones.end()); }
     void look_again(const std::string& drone, const Error& why) override;
     [[nodiscard]] Error explained(const Error& error) const override;
@@ -162,7 +162,7 @@ std::vector<Engine::Report> SshEngine::poll()
     return reports;
 }
 
-std::vector<int> SshEngine::descriptors() const
+std::vector<int> SshEngine::descriptors()
 {
     std::vector<int> all;
     for (const auto* sessions : {&starts_, &looks_, &logs_})

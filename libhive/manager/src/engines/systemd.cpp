@@ -35,7 +35,7 @@ public:
         std::ranges::move(drones, std::back_inserter(waiting_));
     }
     std::vector<Report> poll() override;
-    [[nodiscard]] std::vector<int> descriptors() const override;
+    [[nodiscard]] std::vector<int> descriptors() override;
     void look_again(const std::string& drone, const Error& why) override;
     std::vector<SwarmFailure> stop(const std::vector<std::string>& drones, Clock::time_point until) override;
 
@@ -112,7 +112,7 @@ void SystemdEngine::look_again(const std::string& drone, const Error&)
         found->second.met = false;
 }
 
-std::vector<int> SystemdEngine::descriptors() const
+std::vector<int> SystemdEngine::descriptors()
 {
     std::vector<int> all;
     for (const auto* command : {&calling_, &asking_})

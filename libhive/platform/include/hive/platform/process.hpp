@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 
 namespace hive::platform {
@@ -15,6 +16,8 @@ namespace hive::platform {
 void kill_process(std::int64_t pid);
 /// Blocks the calling thread.
 void sleep_for(std::chrono::nanoseconds time);
+/// The number of descriptors that this process may have.
+[[nodiscard]] std::size_t most_descriptors();
 /// An unpredictable number.
 [[nodiscard]] std::uint64_t entropy();
 
