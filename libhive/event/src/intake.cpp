@@ -12,7 +12,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto patience = 3s;      // for one attempt to dial and register
+constexpr auto patience = 3s;           // for one attempt to dial and register
+constexpr int most_first_attempts = 3;  // of packets that a bad network loses, those of the next one may arrive
 constexpr auto short_break = 10s;  // after a loss retries are frequent for this long: most networks are back by then
 constexpr auto patience_in_break = 600ms;  // for one attempt to dial then, plus six round trips
 constexpr auto pause_after_refusal = 1s;   // the sender is up, and would refuse again
@@ -49,9 +50,10 @@ Intake::Intake(Module& module, IntakeSpec spec, Sink sink, std::function<void()>
 {
 }
 
-void Intake::start(OnOutcome first)
+void Intake::start(OnOutcome first, Clock::time_point until)
 {
     first_ = std::move(first);
+    first_until_ = until;
     attempt();
 }
 
@@ -59,6 +61,7 @@ void Intake::change(const ConnectionOptions& options, OnOutcome on_outcome)
 {
     before_ = std::exchange(spec_.options, options);
     first_ = std::move(on_outcome);
+    first_until_ = {};
     disconnected();
     link_->release_channel(channel_);  // events in transit there are sent again
     register_on(link_, Clock::now() + patience);
@@ -203,8 +206,9 @@ void Intake::failed(const Error& error)
     problem_ = error;
     if (before_)
         spec_.options = *std::exchange(before_, std::nullopt);
-    if (const auto first = std::exchange(first_, {}))
-        first(error);
+    if (refusal() || ++unanswered_ == most_first_attempts || Clock::now() + patience >= first_until_)
+        if (const auto first = std::exchange(first_, {}))
+            first(error);
     if (!stopped())
         retry();
     changed();

@@ -61,7 +61,8 @@ void Wiring::on_connect(const event::Incoming& incoming)
                     to_text(spec.address) + " is not in the home of " + module_.self().name
                         + ", and over the network a drone is connected to drones of its home, or to tcp:// addresses",
                     "connect it on that machine");
-    connect(std::move(spec), [answer = incoming.answer](const Outcome& outcome) { answer(outcome); });
+    connect(std::move(spec), incoming.asked->deadline(),
+            [answer = incoming.answer](const Outcome& outcome) { answer(outcome); });
 }
 
 void Wiring::on_disconnect(const event::Incoming& incoming)
@@ -174,7 +175,7 @@ void Wiring::say(const Intake& intake, std::string& said) const
     said = line.second;
 }
 
-void Wiring::connect(IntakeSpec spec, event::OnOutcome on_outcome)
+void Wiring::connect(IntakeSpec spec, event::Clock::time_point until, event::OnOutcome on_outcome)
 {
     if (const auto present = connected(spec);
         present && present->spec().options.group.empty() && spec.options.group.empty())
@@ -188,7 +189,7 @@ void Wiring::connect(IntakeSpec spec, event::OnOutcome on_outcome)
     for (const auto& intake : earlier)
         intake->hold();
     const std::weak_ptr<Intake> weak = add_intake(std::move(spec));
-    weak.lock()->start([this, weak, earlier, on_outcome = std::move(on_outcome)](const Outcome& outcome) {
+    const auto answered = [this, weak, earlier, on_outcome = std::move(on_outcome)](const Outcome& outcome) {
         const auto self = weak.lock();
         if (std::holds_alternative<Error>(outcome)) {
             module_.remove_intake(self);
@@ -201,7 +202,8 @@ void Wiring::connect(IntakeSpec spec, event::OnOutcome on_outcome)
         replace_earlier(self);
         state_file_.remember();
         on_outcome(outcome);
-    });
+    };
+    weak.lock()->start(answered, until);
 }
 
 std::vector<std::shared_ptr<Intake>> Wiring::earlier_ones(const IntakeSpec& spec) const

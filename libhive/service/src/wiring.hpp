@@ -34,7 +34,7 @@ public:
 private:
     [[nodiscard]] event::IntakeSpec intake_spec(const protocol::Connect& connect) const;
     std::shared_ptr<event::Intake> add_intake(event::IntakeSpec spec);
-    void connect(event::IntakeSpec spec, event::OnOutcome on_outcome);
+    void connect(event::IntakeSpec spec, event::Clock::time_point until, event::OnOutcome on_outcome);
     void begin(event::IntakeSpec spec);
     void say(const event::Intake& intake, std::string& said) const;
     [[nodiscard]] std::vector<std::shared_ptr<event::Intake>> earlier_ones(const event::IntakeSpec& spec) const;

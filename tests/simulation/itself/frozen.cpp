@@ -6,6 +6,9 @@
 
 #include <hive/application.hpp>
 #include <hive/embedded_drone.hpp>
+#include <hive/event/home.hpp>
+#include <hive/event/module.hpp>
+#include <hive/protocol/requests.hpp>
 
 #include <doctest/doctest.h>
 
@@ -58,7 +61,53 @@ std::vector<std::int64_t> collected_in(std::uint64_t seed)
     return collected;
 }
 
+/// Does a receiver that is asked to connect within that time do so, though the sender is frozen for 4 s?
+bool connected_in(std::uint64_t seed, std::chrono::milliseconds timeout)
+{
+    simulation::enter_empty_home();
+    World world(seed);
+    const auto spawn = [&](const std::string& name, void (*make)(Drone&)) -> simulation::Process& {
+        return world.spawn(name, [name, make] {
+            EmbeddedDrone embedded({name, "of a test"}, {.name = name});
+            make(embedded.drone());
+            embedded.run();
+        });
+    };
+    auto& sender = spawn("sender", simulation::source);
+    spawn("receiver", simulation::worker);
+    bool connected = false;
+    const auto run = [&](simulation::Duration time) {
+        for (const auto limit = world.now() + time; world.step(limit);) {
+        }
+    };
+    run(100ms);
+    sender.frozen = true;
+    world.spawn("operator", [&] {
+        event::Module module({.self = {.name = "operator", .kind = "application"}, .limits = {}, .timing = {}});
+        module.start();
+        auto asked = to_json(protocol::Connect{.drone = "sender", .output = "tick", .input = "image"});
+        asked["deadline_ms"] = timeout.count();
+        std::optional<event::Outcome> answer;
+        module.call([&] {
+            module.request(event::Home(default_home()).address("receiver"), protocol::PacketType::connect, asked, {},
+                           event::Clock::now() + timeout, [&](const event::Outcome& outcome) { answer = outcome; });
+        });
+        module.loop().wait(event::Clock::time_point::max(), [&] { return answer.has_value(); });
+        connected = std::holds_alternative<Json>(*answer);
+    });
+    run(4s);
+    sender.frozen = false;
+    run(4s);
+    return connected;
+}
+
 }  // namespace
+
+TEST_CASE("frozen: a connect to a drone that does not answer at first is tried again while there is time")
+{
+    CHECK(connected_in(1, 20s));
+    CHECK_FALSE(connected_in(1, 5s));
+}
 
 TEST_CASE("frozen: a drone that was taken for dead does not take who cut it off for dead, and loses nothing")
 {

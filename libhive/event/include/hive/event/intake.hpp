@@ -49,8 +49,9 @@ public:
 
     /// Counts an event that did not arrive over this connection, and passes it on.
     void accept(Event event);
-    /// Dials and registers. `first` gets the outcome of the first attempt; later losses are repaired silently.
-    void start(OnOutcome first);
+    /// Dials and registers. `first` gets the outcome of the first attempt that is answered, or of the third; of the
+    /// first one if there is no time for another one until then. Later losses are repaired silently.
+    void start(OnOutcome first, Clock::time_point until = {});
     /// Continues with other options at the same place, so that nothing is lost or repeated. If the sender refuses them,
     /// the old options stay. For a connected intake that neither is nor becomes a member of a group.
     void change(const ConnectionOptions& options, OnOutcome on_outcome);
@@ -133,6 +134,8 @@ private:
     Sink sink_;
     std::function<void()> on_end_;
     OnOutcome first_;
+    Clock::time_point first_until_;            ///< its deadline; 0: it gets the outcome of the first attempt
+    int unanswered_ = 0;                       ///< attempts
     std::optional<ConnectionOptions> before_;  ///< the options, while they are being changed
     Backoff backoff_, quick_backoff_;
     std::optional<Clock::time_point> lost_;  ///< since when it has been disconnected
