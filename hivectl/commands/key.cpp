@@ -8,7 +8,7 @@
 #include "../table.hpp"
 #include "../verbs.hpp"
 
-#include <hive/key.hpp>
+#include <hive/transport/key.hpp>
 #include <hive/remote.hpp>
 
 #include <algorithm>

@@ -5,7 +5,7 @@
 #include "layout.hpp"
 #include "own_name.hpp"
 
-#include <hive/key.hpp>
+#include <hive/transport/key.hpp>
 
 namespace hivectl::dash {
 namespace {

@@ -66,24 +66,27 @@ function(hive_common_headers target)
   target_precompile_headers(${target} PRIVATE ${ARGN})
 endfunction()
 
-# A layer: an object library with an include root of its own. What it may include is what it links, so an upward or
-# sideways include does not compile. Sources that touch the machine and whose work the simulator does in its own way are NOT_SIMULATED:
-# they are an object library NAME_unsimulated. HEADERS are precompiled, or HEADERS_OF another layer taken over.
+# A layer: an object library, with its internal headers in include/ of its folder. What it may include of them is what it links, so an
+# upward or sideways include does not compile; of the public headers in libhive/include, tests/layers.sh refuses it. Sources that touch
+# the machine and whose work the simulator does in its own way are NOT_SIMULATED: they are an object library NAME_unsimulated. HEADERS
+# are precompiled, or HEADERS_OF another layer taken over.
 function(hive_layer name)
   cmake_parse_arguments(PARSE_ARGV 1 layer "" "HEADERS_OF" "SOURCES;NOT_SIMULATED;DEPENDS;HEADERS")
   if(layer_SOURCES)
+    set(scope PUBLIC)
     hive_part_of_layer(${name} "${layer_HEADERS_OF}" ${layer_SOURCES})
-    target_include_directories(${name} PUBLIC $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include>)
-    target_link_libraries(${name} PUBLIC ${layer_DEPENDS})
     target_precompile_headers(${name} PRIVATE ${layer_HEADERS})
     if(layer_HEADERS)
       set(layer_HEADERS_OF ${name})
     endif()
   else()
+    set(scope INTERFACE)
     add_library(${name} INTERFACE)
-    target_include_directories(${name} INTERFACE $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include>)
-    target_link_libraries(${name} INTERFACE ${layer_DEPENDS})
   endif()
+  if(EXISTS ${CMAKE_CURRENT_SOURCE_DIR}/include)
+    target_include_directories(${name} ${scope} $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include>)
+  endif()
+  target_link_libraries(${name} ${scope} ${layer_DEPENDS})
   if(layer_NOT_SIMULATED)
     hive_part_of_layer(${name}_unsimulated "${layer_HEADERS_OF}" ${layer_NOT_SIMULATED})
     target_link_libraries(${name}_unsimulated PUBLIC ${name})

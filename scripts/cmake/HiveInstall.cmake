@@ -17,12 +17,10 @@ foreach(target hive hive_c hive_vision)
   target_include_directories(${target} PUBLIC $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
 endforeach()
 
-# Their public headers; what is in a folder of a layer is its own.
-foreach(layer protocol libhive/event libhive/service libhive/manager libhive/vision)
-  install(DIRECTORY ${PROJECT_SOURCE_DIR}/${layer}/include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT libhive-dev
-    FILES_MATCHING PATTERN "*.hpp" PATTERN "hive/protocol" EXCLUDE PATTERN "hive/event" EXCLUDE)
-endforeach()
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/libhive/language/c/include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT libhive-dev)
+# The public headers. Those in hive/protocol are internal to libhive.
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/libhive/include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT libhive-dev)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/protocol/include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT libhive-dev
+  PATTERN hive/protocol EXCLUDE)
 
 # find_package(hive), and pkg-config.
 install(EXPORT hive NAMESPACE hive:: FILE hive-targets.cmake DESTINATION ${package} COMPONENT libhive-dev)

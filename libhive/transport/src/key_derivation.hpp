@@ -1,7 +1,7 @@
 // Derives a separate secret from a key for each use, so that none reveals another.
 #pragma once
 
-#include <hive/key.hpp>
+#include <hive/transport/key.hpp>
 
 #include <string_view>
 

@@ -1,7 +1,7 @@
 // The OpenSSL part: a TLS 1.3 session in which both ends prove the same swarm key.
 #pragma once
 
-#include <hive/key.hpp>
+#include <hive/transport/key.hpp>
 
 #include <openssl/ssl.h>
 

@@ -13,7 +13,7 @@
 #include "caller.hpp"
 
 #include <hive/application.hpp>
-#include <hive/key.hpp>
+#include <hive/transport/key.hpp>
 
 #include <cstdlib>
 #include <filesystem>

@@ -194,7 +194,7 @@ std::string text_of_headers()
 {
     std::string text;
     for (const char* name : {"hive.h", "hive_swarm.h"}) {
-        std::ifstream file(std::string(HIVE_SOURCE_DIR) + "/libhive/language/c/include/" + name);
+        std::ifstream file(std::string(HIVE_SOURCE_DIR) + "/libhive/include/" + name);
         text.append(std::istreambuf_iterator<char>(file), {});
     }
     return text;

@@ -35,7 +35,7 @@ class Examples(World):
         source, program = self.write(name + ".c", text), os.path.join(self.home, "hive-" + name)
         library = os.path.join(PROGRAMS, "..", "lib")
         subprocess.run(
-            [os.environ["HIVE_TEST_CC"], *FLAGS, "-I", os.path.join(SOURCE, "libhive/language/c/include"), source,
+            [os.environ["HIVE_TEST_CC"], *FLAGS, "-I", os.path.join(SOURCE, "libhive/include"), source,
              "-L", library, "-lhive-c", "-Wl,-rpath," + library, "-Wl,-rpath-link," + library, "-o", program],
             check=True,
         )

@@ -10,7 +10,7 @@ import unittest
 import hive
 from hive import _library
 
-HEADERS = os.path.join(os.environ["HIVE_SOURCE_DIR"], "libhive/language/c/include")
+HEADERS = os.path.join(os.environ["HIVE_SOURCE_DIR"], "libhive/include")
 
 
 def header(name):

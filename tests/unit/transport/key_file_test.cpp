@@ -2,7 +2,7 @@
 #include "key_derivation.hpp"
 
 #include <hive/error.hpp>
-#include <hive/key.hpp>
+#include <hive/transport/key.hpp>
 #include <hive/transport/key_ring.hpp>
 
 #include <doctest/doctest.h>

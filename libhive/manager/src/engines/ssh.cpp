@@ -5,7 +5,7 @@
 #include "../running_command.hpp"
 
 #include <hive/failure.hpp>
-#include <hive/key.hpp>
+#include <hive/transport/key.hpp>
 #include <hive/remote.hpp>
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // Reads the listening addresses and keys of the drones of a swarm file.
 #include "reader.hpp"
 
-#include <hive/key.hpp>
+#include <hive/transport/key.hpp>
 
 #include <algorithm>
 

@@ -1,7 +1,7 @@
 // A drone's service record on the local network, and how its receivers verify it (SPEC.md, section 10.2).
 #pragma once
 
-#include <hive/key.hpp>
+#include <hive/transport/key.hpp>
 
 #include <cstdint>
 #include <optional>

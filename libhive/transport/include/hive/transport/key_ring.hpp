@@ -1,7 +1,7 @@
 // The keys of a module, reloaded when its key file changes.
 #pragma once
 
-#include <hive/key.hpp>
+#include <hive/transport/key.hpp>
 
 #include <sys/stat.h>
 
