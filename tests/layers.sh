@@ -32,7 +32,7 @@ refuse "event knows neither service nor manager" "$of_service|$of_manager|hive/(
 refuse "service and manager are siblings" "$of_manager|hive/vision/" libhive/service "${service[@]}"
 refuse "service and manager are siblings" "$of_service|hive/vision/" libhive/manager "${manager[@]}"
 refuse "vision converts events alone" "$of_service|$of_manager|hive/(transport|discovery|protocol)/" libhive/vision "$headers/vision"
-refuse "hivectl uses the public API alone, and makes keys" "hive/(transport/(?!key\.hpp)|(discovery|event|protocol|vision)/)|$of_service" hivectl
+refuse "hivectl uses the public API alone, and changes keys" "hive/(transport/(?!(key|folder_lock)\.hpp)|(discovery|event|protocol|vision)/)|$of_service" hivectl
 refuse "drones use the public API and vision alone" "hive/(transport|discovery|event|protocol)/|$of_manager" drones
 refuse "language stands on the public API alone" '(hive/(transport|discovery|event|protocol|vision|recording)/|asio|opencv|CLI/|spdlog)' libhive/language
 refuse "nothing of Hive itself is written against hive.h" 'hive\.h[">]' protocol libhive/transport libhive/discovery libhive/event libhive/service libhive/manager libhive/vision libhive/recording hivectl drones
@@ -54,6 +54,11 @@ refuse "libmicrohttpd belongs to http" 'microhttpd' protocol "${no_http[@]}" hiv
 refuse "http knows nothing else of Hive" 'hive/([a-z_]+\.hpp|[a-gi-z][a-z]*/)' libhive/http
 refuse "public headers include public headers, the standard library and json only" '(?!hive/[a-z_]+\.hpp>|nlohmann/|[a-z_]+>)' \
     protocol/include/hive/*.hpp "$headers"/*.hpp
+
+if grep -rnE --include='*.hpp' --include='*.cpp' '(sleep_for|sleep_until|usleep)\(' protocol libhive; then
+    echo "layers: libhive sleeps nowhere: wait for what is to happen, with a deadline" >&2
+    failures=$((failures + 1))
+fi
 
 if LC_ALL=C.UTF-8 grep -nE '^[^|].{120,}$' README.md || [ "$(wc -l < README.md)" -gt 200 ]; then
     echo "layers: README.md is read in a terminal: lines of at most 120 characters, and at most 200 of them" >&2

@@ -2,20 +2,17 @@
 #include "../command_line.hpp"
 #include "../exit_code.hpp"
 #include "../format.hpp"
-#include "../interrupt.hpp"
 #include "../output.hpp"
 #include "../session.hpp"
 #include "../table.hpp"
 #include "../verbs.hpp"
 
-#include <hive/transport/key.hpp>
 #include <hive/remote.hpp>
+#include <hive/transport/folder_lock.hpp>
+#include <hive/transport/key.hpp>
 
 #include <algorithm>
 #include <chrono>
-#include <fcntl.h>
-#include <sys/file.h>
-#include <unistd.h>
 
 namespace hivectl::key_verb {
 namespace {
@@ -41,37 +38,6 @@ fs::path file_of(const Options& options)
         throw hive::Error(hive::Errc::invalid_argument, "HIVE_KEY is \"none\", and no --file is given");
     return fs::absolute(file);
 }
-
-/// While it lives, no other hivectl changes a key file in the same folder. Waits for 5 s, then throws Errc::timeout.
-class Lock {
-public:
-    explicit Lock(const fs::path& file)
-        : folder_(::open(file.parent_path().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC))
-    {
-        using namespace std::chrono_literals;
-        if (folder_ < 0)
-            return;  // reading the file reports the reason
-        const auto end = std::chrono::steady_clock::now() + 5s;
-        while (::flock(folder_, LOCK_EX | LOCK_NB) != 0) {
-            if (std::chrono::steady_clock::now() > end) {
-                ::close(folder_);
-                throw hive::Error(hive::Errc::timeout,
-                                  "another process has been changing " + file.string() + " for 5 s");
-            }
-            interrupt::sleep(10ms);
-        }
-    }
-    Lock(const Lock&) = delete;
-    Lock& operator=(const Lock&) = delete;
-    ~Lock()
-    {
-        if (folder_ >= 0)
-            ::close(folder_);
-    }
-
-private:
-    const int folder_;
-};
 
 std::string handed_over(const fs::path& file) { return hive::copy_of_key(file, "HOST"); }
 
@@ -123,7 +89,8 @@ int view(const Options& options, const Session& session)
 int rotate(const Options& options, const Session& session)
 {
     const auto file = file_of(options);
-    const Lock lock(file);
+    static_cast<void>(members_keys(file));  // a missing key is reported, and not the missing folder
+    const hive::transport::FolderLock lock(file.parent_path());
     const auto until = now_s() + static_cast<std::int64_t>(options.keep_s);
     auto keys = members_keys(file);
     for (auto& key : keys)

@@ -1,6 +1,8 @@
 // Stores one number in a file, with the file's modification time.
 #include "listening_note.hpp"
 
+#include <hive/platform/files.hpp>
+
 #include <chrono>
 #include <fstream>
 
@@ -27,9 +29,8 @@ std::optional<std::uint32_t> ListeningNote::daemon() const
 void ListeningNote::write(std::uint32_t daemon) const noexcept
 try {
     const fs::path fresh = file_.string() + ".new";
-    std::ofstream(fresh, std::ios::trunc) << daemon << '\n';
-    std::error_code ignored;
-    fs::rename(fresh, file_, ignored);
+    if (platform::write_private(fresh, std::to_string(daemon) + '\n'))
+        static_cast<void>(platform::rename(fresh, file_));
 } catch (const std::exception&) {
 }
 

@@ -5,6 +5,7 @@
 #include <hive/name.hpp>
 #include <hive/platform/process.hpp>
 #include <hive/protocol/packet.hpp>
+#include <hive/transport/folder_lock.hpp>
 
 #include <algorithm>
 #include <atomic>
@@ -18,7 +19,6 @@
 #include <set>
 
 #include <fcntl.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -42,25 +42,6 @@ constexpr protocol::Limits file_limits{.header = 64 * 1024, .body = 1u << 30};
 constexpr std::string_view unfinished = ".new-";
 
 [[noreturn]] void fail(const std::string& what) { throw Error(Errc::io, what + ": " + std::strerror(errno)); }
-
-/// Held only while a file is named and others are removed, never while bodies are written.
-class Turn {
-public:
-    explicit Turn(const fs::path& directory)
-        : descriptor_(::open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC | O_NOFOLLOW))
-    {
-        if (descriptor_ < 0 || ::flock(descriptor_, LOCK_EX) != 0) {
-            ::close(descriptor_);
-            fail("cannot lock " + directory.string());
-        }
-    }
-    ~Turn() { ::close(descriptor_); }
-    Turn(const Turn&) = delete;
-    Turn& operator=(const Turn&) = delete;
-
-private:
-    int descriptor_;
-};
 
 std::vector<std::string> fields_of_name(const std::string& name)
 {
@@ -195,7 +176,7 @@ std::int64_t FailureStore::keep(const KeptFailure& failure, const std::string& e
         fs::remove(fresh, problem);
         throw;
     }
-    const Turn turn(directory_);
+    const transport::FolderLock lock(directory_);  // not while bodies are written
     std::int64_t number = 0;
     for (const auto& file : files())
         if (file.drone == failure.drone) {

@@ -2,20 +2,19 @@
 #include "place_list.hpp"
 
 #include <hive/event/clock.hpp>
+#include <hive/event/home.hpp>
 #include <hive/json.hpp>
 #include <hive/name.hpp>
-#include <hive/platform/process.hpp>
 #include <hive/transport/address.hpp>
+#include <hive/transport/folder_lock.hpp>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <fcntl.h>
 #include <fstream>
 #include <map>
 #include <string_view>
 #include <tuple>
-#include <unistd.h>
 
 namespace hive {
 namespace {
@@ -25,44 +24,6 @@ namespace fs = std::filesystem;
 constexpr JsonLimits file_limits{.bytes = 4 << 20, .depth = 4, .keys = 16, .string_bytes = 1024};
 /// Minimum interval between saved answers of a drone, so that a query every second writes little.
 constexpr std::int64_t answer_grain_us = 1'000'000;
-
-[[noreturn]] void fail_at(const fs::path& file, const char* what)
-{
-    throw Error(Errc::io, std::string("cannot ") + what + " " + file.string() + ": " + std::strerror(errno));
-}
-
-/// While this lives, no other process changes the list.
-class ListLock {
-public:
-    explicit ListLock(const fs::path& file)
-        : descriptor_(::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600))
-    {
-        if (descriptor_ < 0)
-            fail_at(file, "open");
-        const auto end = event::Clock::now() + std::chrono::seconds(2);
-        while (!taken()) {
-            if (event::Clock::now() >= end) {
-                ::close(descriptor_);
-                throw Error(Errc::timeout, "another process has held " + file.string() + " for 2 s");
-            }
-            platform::sleep_for(std::chrono::milliseconds(2));
-        }
-    }
-    ~ListLock() { ::close(descriptor_); }
-    ListLock(const ListLock&) = delete;
-    ListLock& operator=(const ListLock&) = delete;
-
-private:
-    [[nodiscard]] bool taken() const
-    {
-        struct flock whole {};
-        whole.l_type = F_WRLCK;
-        whole.l_whence = SEEK_SET;
-        return ::fcntl(descriptor_, F_OFD_SETLK, &whole) == 0;
-    }
-
-    int descriptor_;
-};
 
 Json place_to_json(const Place& place)
 {
@@ -123,14 +84,14 @@ void require_possible(const Place& place)
 }  // namespace
 
 // No drone's name begins with a dot.
-PlaceList::PlaceList(const fs::path& home) : file_(home / ".places"), lock_(home / ".places-lock") {}
+PlaceList::PlaceList(const fs::path& home) : file_(home / ".places") {}
 
 const std::vector<Place>& PlaceList::places() const
 {
     struct stat now {};
     if (::stat(file_.c_str(), &now) != 0) {
         if (errno != ENOENT)
-            fail_at(file_, "look at");
+            throw Error(Errc::io, "cannot look at " + file_.string() + ": " + std::strerror(errno));
         now = {};
         read_.clear();
     } else if (!same_file(now, of_)) {
@@ -193,7 +154,7 @@ try {
 
 void PlaceList::change(const std::function<bool(std::vector<Place>&)>& change)
 {
-    const ListLock lock(lock_);
+    const transport::FolderLock lock(file_.parent_path());
     auto places = this->places();
     if (change(places))
         write(places);
@@ -201,20 +162,10 @@ void PlaceList::change(const std::function<bool(std::vector<Place>&)>& change)
 
 void PlaceList::write(const std::vector<Place>& places) const
 {
-    const fs::path fresh = file_.string() + ".new";
     Json list = Json::array();
     for (const auto& place : places)
         list.push_back(place_to_json(place));
-    {
-        std::ofstream out(fresh, std::ios::trunc);
-        out << Json{{"places", list}}.dump(1, ' ', false, Json::error_handler_t::replace) << '\n';
-        if (!out.flush())
-            fail_at(fresh, "write");
-    }
-    std::error_code problem;
-    fs::rename(fresh, file_, problem);
-    if (problem)
-        throw Error(Errc::io, "cannot replace " + file_.string() + ": " + problem.message());
+    event::replace_file(file_, Json{{"places", list}}.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
 }  // namespace hive

@@ -30,7 +30,7 @@ private:
     void change(const std::function<bool(std::vector<Place>&)>& change);
     void write(const std::vector<Place>& places) const;
 
-    std::filesystem::path file_, lock_;
+    std::filesystem::path file_;
     mutable std::vector<Place> read_;  ///< the content of the file in this version:
     mutable struct stat of_ {
     };

@@ -1,9 +1,27 @@
-// The file system's own writes.
+// The file system's own writes and locks.
+#include <hive/platform/crash_signals.hpp>
 #include <hive/platform/files.hpp>
 
+#include <cerrno>
+#include <fcntl.h>
 #include <fstream>
+#include <future>
+#include <sys/file.h>
+#include <thread>
+#include <unistd.h>
 
 namespace hive::platform {
+namespace {
+
+int lock_without_deadline(int descriptor)
+{
+    while (::flock(descriptor, LOCK_EX) != 0)
+        if (errno != EINTR)
+            return errno;
+    return 0;
+}
+
+}  // namespace
 
 bool write_private(const std::filesystem::path& file, const std::string& text)
 {
@@ -20,6 +38,33 @@ std::error_code rename(const std::filesystem::path& from, const std::filesystem:
     std::error_code problem;
     std::filesystem::rename(from, to, problem);
     return problem;
+}
+
+/// flock(2) has no deadline, so a thread blocks in it. It has its own descriptor of the open file: a lock that it gets
+/// too late is released at once.
+std::error_code lock(int descriptor, std::chrono::nanoseconds timeout)
+{
+    if (::flock(descriptor, LOCK_EX | LOCK_NB) == 0)
+        return {};
+    if (errno != EWOULDBLOCK)
+        return {errno, std::generic_category()};
+    const int copy = ::fcntl(descriptor, F_DUPFD_CLOEXEC, 0);
+    if (copy < 0)
+        return {errno, std::generic_category()};
+    std::promise<int> locked;
+    auto error = locked.get_future();
+    const auto others = signals_for_others();
+    sigset_t before;
+    ::pthread_sigmask(SIG_SETMASK, &others, &before);
+    std::thread([copy, locked = std::move(locked)]() mutable {
+        const int result = lock_without_deadline(copy);
+        ::close(copy);
+        locked.set_value(result);
+    }).detach();
+    ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
+    if (error.wait_for(timeout) == std::future_status::ready)
+        return {error.get(), std::generic_category()};
+    return std::make_error_code(std::errc::timed_out);
 }
 
 }  // namespace hive::platform

@@ -6,7 +6,6 @@
 #include <random>
 #include <sstream>
 #include <sys/resource.h>
-#include <thread>
 #include <unistd.h>
 
 namespace hive::platform {
@@ -46,8 +45,6 @@ bool process_is_suspended(std::int64_t pid)
 }
 
 void kill_process(std::int64_t pid) { ::kill(static_cast<pid_t>(pid), SIGKILL); }
-
-void sleep_for(std::chrono::nanoseconds time) { std::this_thread::sleep_for(time); }
 
 std::size_t most_descriptors()
 {

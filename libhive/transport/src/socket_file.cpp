@@ -3,13 +3,12 @@
 
 #include "socket_stream.hpp"
 
+#include <hive/transport/folder_lock.hpp>
+
 #include <cstring>
-#include <fcntl.h>
 #include <filesystem>
-#include <sys/file.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
-#include <thread>
 #include <unistd.h>
 
 namespace hive::transport {
@@ -27,17 +26,13 @@ Error os_failure(const Address& address, const std::string& what)
     return failure(address, code, (what.empty() ? what : what + ": ") + os_text(error));
 }
 
-/// Locks the folder, so that of two modules that find the same stale file only one replaces it. Held for microseconds;
-/// a process that holds it for a second is faulty.
-void lock_folder(const Descriptor& folder, const Address& address)
-{
-    if (!folder)
-        throw os_failure(address, "its folder cannot be opened");
-    for (int attempt = 0; ::flock(folder.get(), LOCK_EX | LOCK_NB) != 0; ++attempt) {
-        if (attempt == 100)
-            throw os_failure(address, "its folder stays locked");
-        std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    }
+/// So that of two modules that find the same stale file only one replaces it.
+FolderLock locked_folder(const Address& address)
+try {
+    const auto folder = std::filesystem::path(address.host).parent_path();
+    return FolderLock(folder.empty() ? "." : folder);
+} catch (const Error& error) {
+    throw failure(address, error.code(), error.what());
 }
 
 /// Whether a module answers at the path. A full queue is an answer too.
@@ -82,9 +77,7 @@ sockaddr_un socket_address(const std::string& path)
 SocketFile SocketFile::bind_and_listen(int descriptor, const Address& address)
 {
     const auto at = socket_address(address.host);
-    const auto parent = std::filesystem::path(address.host).parent_path();
-    const Descriptor folder(::open(parent.empty() ? "." : parent.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-    lock_folder(folder, address);
+    const auto lock = locked_folder(address);
     remove_stale(at, address);
     // On Linux the file takes its mode from the unbound socket, so it is never open to others, not even briefly.
     if (::fchmod(descriptor, 0600) != 0)

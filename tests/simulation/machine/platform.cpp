@@ -10,8 +10,10 @@
 
 #include <asio/error.hpp>
 
+#include <cerrno>
 #include <filesystem>
 #include <fstream>
+#include <sys/file.h>
 #include <utility>
 #include <vector>
 
@@ -33,7 +35,6 @@ WallClock::time_point WallClock::now() noexcept
 std::int64_t own_pid() noexcept { return world().current() ? world().current()->pid : 1; }
 bool process_ends(std::int64_t pid) { return world().ends(pid); }
 void kill_process(std::int64_t pid) { world().kill(pid); }
-void sleep_for(std::chrono::nanoseconds time) { world().sleep(time); }
 std::size_t most_descriptors() { return 1024; }
 std::uint64_t entropy() { return world().entropy(); }
 ProcessUsage process_usage() { return {}; }
@@ -54,6 +55,12 @@ std::error_code rename(const std::filesystem::path& from, const std::filesystem:
     if (!world().current() || world().may_write(*world().current()))
         std::filesystem::rename(from, to, problem);
     return problem;
+}
+
+/// No process is interrupted while it holds one.
+std::error_code lock(int descriptor, std::chrono::nanoseconds)
+{
+    return {::flock(descriptor, LOCK_EX | LOCK_NB) == 0 ? 0 : errno, std::generic_category()};
 }
 
 struct Timer::Real {

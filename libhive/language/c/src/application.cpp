@@ -173,7 +173,7 @@ hive_code hive_application_wait(hive_application* application, const char* drone
             if (left <= 0ms)
                 throw late(name, goal, found);
             require_wait();
-            std::this_thread::sleep_for(std::clamp<std::chrono::milliseconds>(left, 1ms, 20ms));
+            object->rest(std::clamp<std::chrono::milliseconds>(left, 1ms, 20ms));
         }
     });
 }

@@ -134,6 +134,7 @@ void ApplicationObject::close()
         const std::lock_guard lock(mutex_);
         all_doomed_ = true;
     }
+    closing_.notify_all();
     if (queue_.is_in())
         return;
     queue_.enter_in_any_case();
@@ -153,6 +154,12 @@ void ApplicationObject::close(const std::shared_ptr<CollectorObject>& collector)
 }
 
 void ApplicationObject::released() { close(); }
+
+void ApplicationObject::rest(std::chrono::milliseconds time)
+{
+    std::unique_lock lock(mutex_);
+    closing_.wait_for(lock, time, [&] { return all_doomed_; });
+}
 
 bool ApplicationObject::is_closing()
 {

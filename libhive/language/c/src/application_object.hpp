@@ -76,6 +76,8 @@ public:
     void close(const std::shared_ptr<CollectorObject>& collector);
 
     [[nodiscard]] std::shared_ptr<CollectorObject> new_collector();
+    /// Lets other threads in for this long, or until one closes the application.
+    void rest(std::chrono::milliseconds time);
     /// Is another thread waiting to close it?
     [[nodiscard]] bool is_closing();
     [[nodiscard]] const std::string& application_name() const noexcept { return name_; }
@@ -93,6 +95,7 @@ private:
     std::chrono::milliseconds timeout_;
     // Released by the thread inside, from within a callback: destroyed when it leaves.
     std::mutex mutex_;
+    std::condition_variable closing_;
     std::vector<std::shared_ptr<CollectorObject>> doomed_;
     bool all_doomed_ = false;
     std::string name_;

@@ -1,7 +1,6 @@
 // Functions for this process and others on this machine. Chosen at link time, as the clocks are.
 #pragma once
 
-#include <chrono>
 #include <cstddef>
 #include <cstdint>
 
@@ -14,8 +13,6 @@ namespace hive::platform {
 [[nodiscard]] bool process_is_suspended(std::int64_t pid);
 /// Kills it with SIGKILL.
 void kill_process(std::int64_t pid);
-/// Blocks the calling thread.
-void sleep_for(std::chrono::nanoseconds time);
 /// The number of descriptors that this process may have.
 [[nodiscard]] std::size_t most_descriptors();
 /// An unpredictable number.
