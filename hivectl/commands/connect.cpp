@@ -38,7 +38,8 @@ hive::ConnectionOptions connection_of(const Options& options, const std::string&
     if (connection.group.empty() && options.share)
         connection.group = sender;
     if (connection.lease && connection.group.empty())
-        throw hive::Error(hive::Errc::invalid_argument, "--lease is for shared work", "add --share or --group NAME");
+        throw hive::Error(hive::Errc::invalid_argument, "--lease" + std::string(hive::for_shared_work),
+                          "add --share or --group NAME");
     return connection;
 }
 
@@ -76,10 +77,11 @@ Option declare(CommandLine& line, const hive::ConnectionOption& option, Options&
         return line.flag(name, options.flags[option.name], help);
     const auto declared =
         line.option(name, options.values[option.name], help).type_name(std::string(option.placeholder));
-    return option.name == "window"     ? declared.between(1, hive::widest_window)
-           : option.name == "lease"    ? declared.seconds(hive::shortest_lease_s, hive::longest_lease_s)
-           : option.name == "encoding" ? declared.encoding()
-                                       : declared;
+    using Type = hive::ConnectionOption::Type;
+    return option.type == Type::count      ? declared.between(1, hive::widest_window)
+           : option.type == Type::duration ? declared.seconds(hive::shortest_lease_s, hive::longest_lease_s)
+           : option.type == Type::encoding ? declared.encoding()
+                                           : declared;
 }
 
 Run declare(CommandLine& line, Session& session)

@@ -78,7 +78,7 @@ Connect connect_from_text(const std::string& text)
     if (seen.contains("share") && connect.options.group.empty())
         connect.options.group = connect.drone;
     if (connect.options.lease && connect.options.group.empty())
-        throw mistake("lease is for shared work", "add share or group=NAME");
+        throw mistake("lease" + std::string(for_shared_work), "add share or group=NAME");
     return connect;
 }
 

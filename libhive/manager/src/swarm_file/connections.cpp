@@ -74,7 +74,8 @@ void Reader::check_clashes(Members& members)
         if (given(one) && given(other))
             mistakes_.at_key(*members.find(other), in_quotes(other) + " does not go with " + in_quotes(one));
     if (given("lease") && !given("share") && !given("group"))
-        mistakes_.at_key(*members.find("lease"), "\"lease\" is for shared work", "add \"share\": true, or a \"group\"");
+        mistakes_.at_key(*members.find("lease"), in_quotes("lease") + std::string(for_shared_work),
+                         "add \"share\": true, or a \"group\"");
 }
 
 std::vector<Endpoint> Reader::ends_of(const std::string& text, const Value& value)
