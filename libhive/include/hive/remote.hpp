@@ -13,6 +13,9 @@ namespace hive {
 /// One machine. Its connection is kept open for a minute, for the commands that follow.
 class Remote {
 public:
+    /// Exit codes if hivectl did not run: ssh failed, or the shell there found no hivectl.
+    static constexpr int ssh_failed = 255, no_hivectl = 127;
+
     /// @param ssh   the ssh host: a host or an alias of ~/.ssh/config, with or without USER@
     /// @param home  where the socket of the connection is
     Remote(std::string ssh, const std::filesystem::path& home);

@@ -13,9 +13,6 @@
 namespace hive {
 namespace {
 
-constexpr int not_run_by_shell = 127;  ///< the exit code of a shell for a command that is not found
-constexpr int failed_in_ssh = 255;
-
 /// A host name, a number, or USER@HOST; never an option of ssh.
 const std::string& require_host(const std::string& ssh)
 {
@@ -92,10 +89,10 @@ void Remote::require_there(const CommandResult& result) const
 {
     if (result.late)
         throw Error(Errc::timeout, ssh_ + " has not answered in time", "allow more time: --timeout SECONDS");
-    if (result.exit_code == failed_in_ssh)
+    if (result.exit_code == ssh_failed)
         throw Error(Errc::unreachable, "ssh does not reach " + ssh_ + ": " + last_line(result.err),
                     "try it: ssh " + ssh_ + " true");
-    if (result.exit_code == not_run_by_shell)
+    if (result.exit_code == no_hivectl)
         throw Error(Errc::not_found,
                     "there is no hivectl on " + ssh_
                         + ", or not in the PATH of a command over ssh: " + last_line(result.err),
@@ -127,7 +124,7 @@ CommandResult Remote::hivectl(const std::vector<std::string>& words, std::chrono
 int Remote::hivectl_attached(const std::vector<std::string>& words) const
 {
     const int code = run_attached(command(words));
-    if (code == failed_in_ssh || code == not_run_by_shell)
+    if (code == ssh_failed || code == no_hivectl)
         require_there({.exit_code = code, .out = {}, .err = "it said so above"});
     return code;
 }

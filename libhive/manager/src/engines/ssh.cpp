@@ -1,39 +1,26 @@
 // Runs drones on another machine over ssh: the hivectl there starts and stops them.
-#include "engine.hpp"
+#include "ssh_session.hpp"
+#include "ssh_silent.hpp"
 
 #include "../last_line.hpp"
-#include "../running_command.hpp"
 
 #include <hive/failure.hpp>
-#include <hive/transport/key.hpp>
 #include <hive/remote.hpp>
+#include <hive/transport/key.hpp>
 
 #include <algorithm>
-#include <atomic>
 #include <deque>
 #include <list>
-#include <map>
 #include <set>
-#include <sstream>
 
 namespace hive {
 namespace {
 
 using namespace std::chrono_literals;
 
-/// Sessions of one ssh connection: an sshd allows 10 (MaxSessions), and the user may need one.
-constexpr std::size_t sessions_at_once = 8;
-/// Sessions of all engines of this process, so that descriptors do not run out: each takes three.
-constexpr int sessions_everywhere = 64;
-constexpr auto a_moment_more = 2s;  ///< more than a start there may take, so that its outcome arrives here
-constexpr auto patience_to_stop = 30s;
-constexpr auto patience_to_look = 10s;
-constexpr auto patience_for_keys = 5s;
-constexpr auto look_every = 1s;  ///< interval of checking a drone that was ready there and does not answer here
-constexpr const char* lines_of_log = "15";
-constexpr int not_found = 3;  ///< the exit code of hivectl if a drone is not running
-
-std::atomic<int> running_everywhere{0};
+constexpr auto start_grace = 2s;  ///< more than a start there may take, so that its outcome arrives here
+constexpr auto stop_timeout = 30s;
+constexpr auto keys_timeout = 5s;
 
 class SshEngine final : public Engine {
 public:
@@ -47,40 +34,16 @@ public:
     std::vector<Report> poll() override;
     [[nodiscard]] std::vector<int> descriptors() override;
     void adopt(const std::vector<std::string>& drones) override { begun_.insert(drones.begin(), drones.end()); }
-    void look_again(const std::string& drone, const Error& why) override;
+    void look_again(const std::string& drone, const Error& why) override { silent_.check(drone, why); }
     [[nodiscard]] Error explained(const Error& error) const override;
     std::vector<SwarmFailure> stop(const std::vector<std::string>& drones, Clock::time_point until) override;
 
 private:
-    /// A drone that was ready there and does not answer here.
-    struct Silent {
-        Error why;
-        int found_running = 0;  ///< number of checks
-        Clock::time_point next_look{};
-    };
-    /// One running hivectl there.
-    struct Session {
-        Session(std::string name, const std::vector<std::string>& words, std::chrono::milliseconds limit)
-            : drone(std::move(name)), command(words, limit)
-        {
-            ++running_everywhere;
-        }
-        ~Session() { --running_everywhere; }
-        Session(const Session&) = delete;
-        Session& operator=(const Session&) = delete;
-
-        std::string drone;
-        RunningCommand command;
-    };
-
     [[nodiscard]] bool may_start() const;
     void start_next(std::vector<Report>& reports);
     Report report_of(const std::string& drone, const CommandResult& result);
     [[nodiscard]] Error error_of(const CommandResult& result) const;
     [[nodiscard]] std::optional<std::set<std::string>> keys_there() const;
-    void look_at_the_silent(std::vector<Report>& reports);
-    void hear_running(const std::string& drone, std::vector<Report>& reports);
-    void read_log(const std::string& drone, std::vector<Report>& reports);
     Place place_of(const std::string& drone, const Json& places);
     void await_starts(Clock::time_point until);
     [[nodiscard]] std::optional<Error> stop_there(const std::vector<std::string>& drones,
@@ -90,9 +53,8 @@ private:
     Remote remote_;
     std::string address_;  ///< of the machine; empty: not known yet
     std::deque<SwarmDrone> waiting_;
-    std::list<Session> starts_;
-    std::list<Session> looks_, logs_;  ///< checks of drones that were ready there and do not answer here
-    std::map<std::string, Silent> silent_;
+    std::list<SshSession> starts_;
+    SilentDrones silent_{remote_};
     Clock::time_point until_{};    ///< deadline for all to be ready
     std::set<std::string> begun_;  ///< that this engine may have started
     bool connected_ = false;       ///< the first session has opened the connection that the others share
@@ -143,14 +105,14 @@ std::vector<std::string> words_to_replace(SwarmDrone drone)
 
 bool SshEngine::may_start() const
 {
-    return !waiting_.empty() && starts_.size() < (connected_ ? sessions_at_once : 1)
-           && running_everywhere < sessions_everywhere;
+    return !waiting_.empty() && starts_.size() < (connected_ ? SshSession::max_of_connection : 1)
+           && !SshSession::is_limit_reached();
 }
 
 std::vector<Engine::Report> SshEngine::poll()
 {
     std::vector<Report> reports;
-    std::erase_if(starts_, [&](Session& start) {
+    std::erase_if(starts_, [&](SshSession& start) {
         const auto result = start.command.poll();
         if (result)
             reports.push_back(report_of(start.drone, *result));
@@ -158,73 +120,17 @@ std::vector<Engine::Report> SshEngine::poll()
     });
     while (may_start())
         start_next(reports);
-    look_at_the_silent(reports);
+    silent_.poll(reports);
     return reports;
 }
 
 std::vector<int> SshEngine::descriptors()
 {
     std::vector<int> all;
-    for (const auto* sessions : {&starts_, &looks_, &logs_})
-        for (const auto& session : *sessions)
-            std::ranges::copy(session.command.descriptors(), std::back_inserter(all));
+    for (const auto& start : starts_)
+        std::ranges::copy(start.command.descriptors(), std::back_inserter(all));
+    silent_.add_descriptors(all);
     return all;
-}
-
-/// The drone was ready when it was reported, since the hivectl there waits for that, but may have exited since.
-void SshEngine::look_again(const std::string& drone, const Error& why)
-{
-    const auto now = Clock::now();
-    auto& silent = silent_.try_emplace(drone, Silent{.why = why}).first->second;
-    silent.why = why;
-    if (now < silent.next_look || looks_.size() + logs_.size() >= sessions_at_once
-        || running_everywhere >= sessions_everywhere)
-        return;
-    silent.next_look = now + patience_to_look + look_every;
-    looks_.emplace_back(drone, remote_.command({"ps", drone}), patience_to_look);
-}
-
-void SshEngine::look_at_the_silent(std::vector<Report>& reports)
-{
-    std::erase_if(looks_, [&](Session& look) {
-        const auto result = look.command.poll();
-        if (result && !result->late && result->exit_code == not_found)
-            read_log(look.drone, reports);
-        else if (result && !result->late && result->exit_code == 0)
-            hear_running(look.drone, reports);
-        return result.has_value();
-    });
-    std::erase_if(logs_, [&](Session& log) {
-        const auto result = log.command.poll();
-        if (result)
-            reports.push_back({.drone = log.drone,
-                               .error = Error(Errc::failed, remote_.host() + ": " + log.drone
-                                                                + " was ready and has ended since; its log says:\n"
-                                                                + (result->out.empty() ? "(nothing)" : result->out))});
-        return result.has_value();
-    });
-}
-
-/// It may just be exiting there, or one answer may have been late, so it is checked twice.
-void SshEngine::hear_running(const std::string& drone, std::vector<Report>& reports)
-{
-    auto& [why, found_running, next_look] = silent_.at(drone);
-    next_look = Clock::now() + look_every;
-    if (++found_running < 2)
-        return;
-    reports.push_back(
-        {.drone = drone,
-         .error =
-             Error(why.code(), drone + " runs on " + remote_.host() + " and is not reached from here: " + why.what(),
-                   why.advice().empty() ? "open its port to this machine, or choose one that is open: \"listen\""
-                                        : why.advice())});
-}
-
-void SshEngine::read_log(const std::string& drone, std::vector<Report>& reports)
-try {
-    logs_.emplace_back(drone, remote_.command({"logs", drone, "-n", lines_of_log}), patience_to_look);
-} catch (const Error& error) {
-    reports.push_back({.drone = drone, .error = error});
 }
 
 void SshEngine::start_next(std::vector<Report>& reports)
@@ -234,7 +140,7 @@ void SshEngine::start_next(std::vector<Report>& reports)
     try {
         starts_.emplace_back(
             drone.name, remote_.command(takes_over(drone) ? words_to_replace(drone) : words_to_start(drone, until_)),
-            time_until(until_ + a_moment_more));
+            time_until(until_ + start_grace));
         if (!takes_over(drone))
             begun_.insert(drone.name);
     } catch (const Error& error) {
@@ -244,7 +150,7 @@ void SshEngine::start_next(std::vector<Report>& reports)
 
 Engine::Report SshEngine::report_of(const std::string& drone, const CommandResult& result)
 try {
-    if ((result.exit_code == 255 && !connected_) || result.exit_code == 127)
+    if ((result.exit_code == Remote::ssh_failed && !connected_) || result.exit_code == Remote::no_hivectl)
         begun_.erase(drone);  // nothing was started; but an established connection may have ended after a start
     remote_.require_there(result);
     connected_ = true;
@@ -276,12 +182,12 @@ Error SshEngine::error_of(const CommandResult& result) const
 /// The user's keys there, by id; nothing: unknown.
 std::optional<std::set<std::string>> SshEngine::keys_there() const
 try {
-    const auto listed = remote_.hivectl({"key", "show", "--json"}, patience_for_keys);
+    const auto listed = remote_.hivectl({"key", "show", "--json"}, keys_timeout);
     std::set<std::string> ids;
     if (listed.exit_code == 0)
         for (const auto& key : parse_json(listed.out))
             ids.insert(Fields(key, "what hivectl key show printed").text("id"));
-    return listed.exit_code == 0 || listed.exit_code == not_found ? std::optional(ids) : std::nullopt;
+    return listed.exit_code == 0 || is_not_found(listed) ? std::optional(ids) : std::nullopt;
 } catch (const Error&) {
     return std::nullopt;
 }
@@ -345,7 +251,7 @@ std::vector<SwarmFailure> SshEngine::stop(const std::vector<std::string>& drones
 
 std::optional<Error> SshEngine::stop_there(const std::vector<std::string>& drones, Clock::time_point until) const
 try {
-    until = std::min(until, Clock::now() + patience_to_stop);
+    until = std::min(until, Clock::now() + stop_timeout);
     if (Clock::now() >= until)
         throw Error(Errc::timeout,
                     remote_.host() + " has not answered in time: whether " + drones.front() + " runs there is unknown",
@@ -353,7 +259,7 @@ try {
     std::vector<std::string> words{"stop", "--json", "--timeout", std::to_string(seconds_until(until - 1s))};
     words.insert(words.end(), drones.begin(), drones.end());
     const auto result = remote_.hivectl(words, time_until(until));
-    if (result.exit_code == 0 || (drones.size() == 1 && result.exit_code == not_found))
+    if (result.exit_code == 0 || (drones.size() == 1 && is_not_found(result)))
         return std::nullopt;
     return error_of(result);
 } catch (const Error& error) {
