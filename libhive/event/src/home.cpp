@@ -29,13 +29,13 @@ void make_private(const fs::path& directory)
         fail(Errc::io, "cannot make " + directory.string());
     struct stat info {};
     if (::lstat(directory.c_str(), &info) != 0)
-        fail(Errc::io, "cannot look at " + directory.string());
+        fail(Errc::io, "cannot stat " + directory.string());
     if (!S_ISDIR(info.st_mode) || info.st_uid != ::getuid())
         throw Error(Errc::not_permitted, directory.string() + " is not a directory of this user",
                     "set HIVE_HOME to one that is");
     if ((info.st_mode & 077) != 0)
         throw Error(Errc::not_permitted, "others may enter " + directory.string(),
-                    "close it: chmod 700 " + directory.string());
+                    "fix it: chmod 700 " + directory.string());
 }
 
 /// Open-file-description locks: they end with the process, and can be checked without being taken.
@@ -98,14 +98,11 @@ std::int64_t Home::successor(const std::string& name) const { return number_in(p
 
 bool Home::locked(const std::string& name, std::string_view ending) const
 {
-    const int descriptor = ::open(path(name, ending).c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW);
-    if (descriptor < 0)
-        return false;
+    const transport::Descriptor file(::open(path(name, ending).c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW));
     struct flock whole = whole_file(F_WRLCK);
-    const bool held =
-        !defended("living-holder") || (::fcntl(descriptor, F_OFD_GETLK, &whole) == 0 && whole.l_type != F_UNLCK);
-    ::close(descriptor);
-    return held;
+    return file
+           && (!defended("living-holder")
+               || (::fcntl(file.get(), F_OFD_GETLK, &whole) == 0 && whole.l_type != F_UNLCK));
 }
 
 std::optional<Json> Home::read_state(const std::string& name) const
@@ -150,29 +147,22 @@ void replace_file(const fs::path& file, const std::string& text)
 NameClaim::NameClaim(const Home& home, const std::string& name, To what)
 {
     const auto file = home.path(name, what == To::name ? name_ending : succession_ending);
-    descriptor_ = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
-    if (descriptor_ < 0)
+    lock_ = transport::Descriptor(::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600));
+    if (!lock_)
         fail(Errc::io, "cannot open " + file.string());
     struct flock whole = whole_file(F_WRLCK);
     const bool noted = !defended("living-holder") && number_in(file) != 0;
-    if (noted || ::fcntl(descriptor_, F_OFD_SETLK, &whole) != 0) {
+    if (noted || ::fcntl(lock_.get(), F_OFD_SETLK, &whole) != 0) {
         char holder[32] = {};
-        const auto length = ::pread(descriptor_, holder, sizeof holder - 1, 0);
-        ::close(descriptor_);
+        const auto length = ::pread(lock_.get(), holder, sizeof holder - 1, 0);
         throw Error(Errc::name_taken, name + (what == To::name ? " runs already" : " is being replaced already")
                                           + (length > 0 ? ", as process " + std::string(holder) : ""));
     }
     const auto pid = std::to_string(platform::own_pid());
-    if (::ftruncate(descriptor_, 0) != 0 || ::pwrite(descriptor_, pid.data(), pid.size(), 0) < 0) {
-        const int error = errno;
-        ::close(descriptor_);  // releases the lock
-        errno = error;
+    if (::ftruncate(lock_.get(), 0) != 0 || ::pwrite(lock_.get(), pid.data(), pid.size(), 0) < 0)
         fail(Errc::io, "cannot write " + file.string());
-    }
     if (std::error_code ignored; what == To::name)
         fs::remove(home.path(name, crash_ending), ignored);
 }
-
-NameClaim::~NameClaim() { ::close(descriptor_); }
 
 }  // namespace hive::event

@@ -4,6 +4,7 @@
 
 #include <hive/json.hpp>
 #include <hive/transport/address.hpp>
+#include <hive/transport/descriptor.hpp>
 
 #include <filesystem>
 #include <optional>
@@ -60,12 +61,9 @@ public:
     };
     /// Throws Errc::name_taken with the holder's process id.
     NameClaim(const Home& home, const std::string& name, To what = To::name);
-    ~NameClaim();
-    NameClaim(const NameClaim&) = delete;
-    NameClaim& operator=(const NameClaim&) = delete;
 
 private:
-    int descriptor_ = -1;
+    transport::Descriptor lock_;
 };
 
 }  // namespace hive::event
