@@ -17,17 +17,17 @@ using namespace std::chrono_literals;
 using hive::Errc;
 using hive::transport::FolderLock;
 
-class Folder {
+class FreshFolder {
 public:
-    Folder()
+    FreshFolder()
     {
         std::string name = (fs::temp_directory_path() / "hive-lock-XXXXXX").string();
         REQUIRE(::mkdtemp(name.data()) != nullptr);
         path = name;
     }
-    Folder(const Folder&) = delete;
-    Folder& operator=(const Folder&) = delete;
-    ~Folder() { fs::remove_all(path); }
+    FreshFolder(const FreshFolder&) = delete;
+    FreshFolder& operator=(const FreshFolder&) = delete;
+    ~FreshFolder() { fs::remove_all(path); }
 
     fs::path path;
 };
@@ -44,7 +44,7 @@ try {
 
 TEST_CASE("folder lock: one holder at a time, and every waiter gets it")
 {
-    const Folder folder;
+    const FreshFolder folder;
     constexpr int threads = 8, times = 50;
     std::atomic<int> inside = 0, most_inside = 0, entered = 0;
     std::vector<std::thread> all;
@@ -67,7 +67,7 @@ TEST_CASE("folder lock: one holder at a time, and every waiter gets it")
 
 TEST_CASE("folder lock: a waiter gives up in time, and what it gets too late is free again")
 {
-    const Folder folder;
+    const FreshFolder folder;
     std::optional<FolderLock> holder(std::in_place, folder.path);
     const auto start = std::chrono::steady_clock::now();
     CHECK(problem_of(folder.path, 20ms) == Errc::timeout);
@@ -79,6 +79,6 @@ TEST_CASE("folder lock: a waiter gives up in time, and what it gets too late is 
 
 TEST_CASE("folder lock: without the folder there is no lock")
 {
-    const Folder folder;
+    const FreshFolder folder;
     CHECK(problem_of(folder.path / "absent", 1s) == Errc::io);
 }
