@@ -159,7 +159,7 @@ TEST_CASE("c: an encoder that fails or gives nothing is an exception of the dron
     probe.encoding.gives = false;
     REQUIRE(probe.emit() == HIVE_OK);
     CHECK(next_text(loud) == R"(text/plain abc {"n":1})");
-    CHECK(next_text(exceptions).find("the encoder gave nothing") != std::string::npos);
+    CHECK(next_text(exceptions).find("the encoder returned nothing") != std::string::npos);
     hive_release(loud);
     hive_release(exceptions);
 }

@@ -283,7 +283,7 @@ class Starting(World):
                 self.assertIsNone(asyncio.run(wait()))
         self.assertEqual(len(logs.output), 2, logs.output)
         for line in logs.output:
-            self.assertRegex(line, "^WARNING:hive:nothing comes: .*source has halted")
+            self.assertRegex(line, "^WARNING:hive:no events: .*source has halted")
 
 
 if __name__ == "__main__":

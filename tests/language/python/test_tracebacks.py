@@ -70,7 +70,7 @@ class Tracebacks(Embedded):
             ("text/plain", "KeyError: 'missing'", 'raise KeyError("missing")'),
             ("a/b", "there is no image, but None; look whether it could be read or taken", "result.emit_image(None)"),
             ("a/refused", "not today", None),
-            ("image/jpeg", "image/jpeg: 1 bytes that are no such picture, or one that is cut short", None),
+            ("image/jpeg", "image/jpeg: 1 bytes that are not a complete image of this type", None),
         ):
             with self.subTest(kind), self.assertLogs("hive.worker", "ERROR") as logs:
                 self.swarm.put("worker", b"x", kind)

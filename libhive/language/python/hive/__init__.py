@@ -5,7 +5,7 @@ A *drone* is a process with a clear interface: parameters, inputs, outputs.  Thi
     import cv2, hive
 
     drone = hive.Drone("edges", "Finds edges.")
-    low = drone.parameter("low", 50, least=0, most=255, help="weakest gradient that continues an edge")
+    low = drone.parameter("low", 50, least=0, most=255, help="minimum gradient to continue an edge")
     edges = drone.output("edges", "image/raw")
 
     @drone.on_event("image", "image/raw")
@@ -82,7 +82,7 @@ _tracebacks.install()
 
 
 def __getattr__(name: str) -> _Any:
-    """What is about whole swarms is loaded when it is first asked for: most programs need none of it."""
+    """Loads the classes for whole swarms on first use: most programs do not need them."""
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     from . import swarm

@@ -1,4 +1,4 @@
-"""Between C and the callbacks of a drone: what they get, what they raise, and the parameters that both sides hold."""
+"""Connects C with the callbacks of a drone: arguments, exceptions, and the parameters of both sides."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _GENERATOR, _COROUTINE, _ASYNC_GENERATOR = 0x20, 0x80, 0x200  # of co_flags, as 
 
 
 def require_plain(what: str, function: Any) -> None:
-    """Refuses what cannot be called back: its body would never run."""
+    """Refuses functions that cannot be callbacks: their body would never run."""
     if not callable(function):
         raise Error("invalid_argument", f"{what} decorates a function, not {function!r}")
     inner = getattr(function, "func", function)  # of functools.partial
@@ -35,7 +35,7 @@ def require_plain(what: str, function: Any) -> None:
 
 
 def encode(known: dict[str, Encoding], handle: int, wanted: bytes, answer: int) -> None:
-    """Answers with the event of a handle, which is lent, in the encoding that is wanted."""
+    """Returns the event of a lent handle in the requested encoding."""
     lib.hive_retain(handle)
     word, _, number = _library.text_of(wanted).partition(":")
     made = known[word].encode(Event(ctypes.c_void_p(handle)), int(number) if number else None)
@@ -71,7 +71,7 @@ class Callbacks(Owner):
         function(self._handle, *arguments)
 
     def _guarded(self, function: Callable[..., Any]) -> Callable[..., int]:
-        """Makes of what a function raises what C understands."""
+        """Translates what a function raises into a code for C."""
         weak, kept = weakref.ref(self), self._called
 
         def call(*arguments: Any) -> int:
@@ -101,7 +101,7 @@ class Callbacks(Owner):
         return call
 
     def _log_traceback(self, error: BaseException) -> None:
-        """One line of the log for each of its own."""
+        """Logs each of its lines."""
         import traceback  # here, for it takes longer to load than most of this package
 
         lines = traceback.format_exception(type(error), error, without_package(error.__traceback__))
@@ -110,7 +110,7 @@ class Callbacks(Owner):
 
     @staticmethod
     def _deliver(function: Callable[..., Any], *handles: int) -> None:
-        """Calls with the events of these handles, which are lent: each gets a reference of its own."""
+        """Calls with the events of these lent handles: each gets a reference of its own."""
         events = []
         for handle in handles:
             lib.hive_retain(handle)
@@ -125,7 +125,7 @@ class Callbacks(Owner):
         self._with_values(self._changed)
 
     def _with_values(self, function: Callable[[], Any]) -> None:
-        """Lets the function see the values that C holds, and C those that it leaves."""
+        """Passes the values of C to the function, and its changes to C."""
         values = ask(lib.hive_drone_values, self._handle)
         for name, value in values.items():
             parameter = self._parameters[name]

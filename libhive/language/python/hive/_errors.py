@@ -1,4 +1,4 @@
-"""What Hive raises."""
+"""The exceptions of Hive."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ from typing import Any, Mapping
 
 
 class Error(RuntimeError):
-    """Why something failed, in the words that every part of Hive uses.
+    """The error of a call, with a code that all parts of Hive share.
 
     ``code`` is one of the names of SPEC.md, section 7: "invalid_argument", "not_found", "unreachable",
     "connection_lost", "timeout", "refused", "type_mismatch", "halted", "locked", "name_taken", "not_permitted",
-    "too_large", "malformed", "version_mismatch", "unsupported", "failed", "abandoned", "stopped", "io".
-    ``text`` is what happened, ``advice`` what can be done about it; ``str(error)`` has both.  Raise one in a callback to
-    give the drone's exception a code of its own.
+    "too_large", "malformed", "version_mismatch", "unsupported", "failed", "abandoned", "stopped", "io".  ``text`` is
+    what happened, ``advice`` what can be done about it; ``str(error)`` has both.  Raise one in a callback to set the
+    code of the drone's exception.
     """
 
     def __init__(self, code: str, text: str, advice: str = "") -> None:
@@ -73,7 +73,7 @@ def require_text(what: str, value: Any) -> str:
 
 
 def require_list(what: str, value: Any, example: str) -> Any:
-    """Refuses a text where a list of them belongs: it would be taken apart into letters."""
+    """Refuses a text instead of a list of texts: it would be split into letters."""
     if isinstance(value, (str, bytes)):
         raise Error("invalid_argument", f"{what} is a list, not the text {value!r}", f"write {what}={example}")
     return value

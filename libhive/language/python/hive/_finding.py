@@ -1,4 +1,4 @@
-"""What an application knows of drones: who is there, where, and what it is doing."""
+"""Finds drones, their addresses and their status."""
 
 from __future__ import annotations
 
@@ -29,18 +29,18 @@ def is_many(drone: Names) -> bool:
 
 
 class Finding(Owner):
-    """The calls of an application that find drones and ask them."""
+    """The calls of an application that find and query drones."""
 
     def drones(self) -> list[str]:
-        """The drones that run on this machine, and those on other machines that are known; sorted."""
+        """The drones running on this and other known machines; sorted."""
         return ask_list(lib.hive_application_drones, self._handle)
 
     def remembered(self) -> list[str]:
-        """Drones that crashed, and get back what they were told when they are started again."""
+        """Crashed drones whose state is restored at a restart."""
         return ask_list(lib.hive_application_remembered, self._handle)
 
     def find(self, pattern: str) -> list[str]:
-        """The drones that a glob or a name means.  :raises hive.Error: "not_found" when there is none"""
+        """The drones that match a glob or a name.  :raises hive.Error: "not_found" when there is none"""
         return ask_list(lib.hive_application_find, self._handle, encoded(pattern))
 
     def describe(self, drone: str) -> dict[str, Any]:
@@ -48,38 +48,38 @@ class Finding(Owner):
         return ask_object(lib.hive_application_describe, self._handle, encoded(drone))
 
     def status(self, drone: Names) -> dict[str, Any]:
-        """What it is doing: "state", "events", "inputs", "outputs", ... (SPEC.md, section 6.4).  With a glob or several
-        drones: that by drone, where one that does not answer has an :class:`Error` instead."""
+        """Its status: "state", "events", "inputs", "outputs", ... (SPEC.md, section 6.4).  With a glob or several
+        drones: a dict by drone, with an :class:`Error` for one that does not answer."""
         if not is_many(drone):
             return ask_object(lib.hive_application_status, self._handle, encoded(str(drone)))
         answers = ask_list(lib.hive_application_status_all, self._handle, as_json(self._named(drone)))
         return {answer["drone"]: answer_of(answer, "status") for answer in answers}
 
     def place(self, drone: str) -> dict[str, Any]:
-        """Where it is met: "drone", "host" ("local": this machine), "address", "ssh", "answered_us".
+        """Where it is reachable: "drone", "host" ("local": this machine), "address", "ssh", "answered_us".
 
-        :raises hive.Error: "not_found"; "invalid_argument" when several have the name: call it "NAME@HOST"
+        :raises hive.Error: "not_found"; "invalid_argument" if several have the name: use "NAME@HOST"
         """
         return ask_object(lib.hive_application_place, self._handle, encoded(drone))
 
     def places(self) -> list[dict[str, Any]]:
-        """The list of places: drones on other machines that this home was told of."""
+        """The list of places: addresses of drones on other machines."""
         return ask_list(lib.hive_application_places, self._handle)
 
     def add_place(self, drone: str, address: str, host: str = "") -> None:
-        """Writes into the list of places that a drone is met at an address, "tcp://HOST:PORT".
+        """Adds the address of a drone, "tcp://HOST:PORT", to the list of places.
 
-        :param host: what its machine is called; "": as in the address
+        :param host: the name of its machine; "": as in the address
         """
         host = host or address.partition("://")[2].rpartition(":")[0].strip("[]")
         lib.hive_application_add_place(self._handle, as_json({"drone": drone, "host": host, "address": address}))
 
     def forget_place(self, place: Mapping[str, Any]) -> None:
-        """Strikes one of :meth:`places` off the list.  :raises hive.Error: "not_found" when it was not there"""
+        """Removes one of :meth:`places` from the list.  :raises hive.Error: "not_found" if it is not in the list"""
         lib.hive_application_forget_place(self._handle, as_json(dict(place)))
 
     def wait(self, drone: str, state: str = "running", timeout: Seconds = 10.0) -> None:
-        """Returns when the drone is "running" (it answers, and its start is over), "idle", "halted" or "gone".
+        """Returns when the drone is "running" (started and answering), "idle", "halted" or "gone".
 
         :raises hive.Error: "timeout"
         """
@@ -114,5 +114,5 @@ class Finding(Owner):
 
 
 def answer_of(answer: Mapping[str, Any], result: str = "result") -> Any:
-    """What a drone of several answered, or the :class:`Error` that it has instead."""
+    """The answer of one of several drones, or its :class:`Error`."""
     return error_of(answer["error"]) if "error" in answer else answer[result]

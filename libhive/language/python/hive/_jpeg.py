@@ -1,4 +1,4 @@
-"""The strict decoder of JPEG that drones in C++ have: libturbojpeg, where a warning is an error."""
+"""The strict JPEG decoder of drones in C++: libturbojpeg, with warnings as errors."""
 
 from __future__ import annotations
 

@@ -111,7 +111,7 @@ application_audit hPN|application_graph hPN|application_failures hsPN|applicatio
 
 
 def _error() -> Error:
-    """What the last call that failed on this thread said."""
+    """The last error on this thread."""
     token = _library.hive_code_token(_library.hive_error_code()) or b"failed"
     return Error(token.decode(), text_of(_library.hive_error_text()), text_of(_library.hive_error_advice()))
 
@@ -273,7 +273,7 @@ def ask_flag(function: Any, *arguments: Any) -> bool:
 
 
 def release(handle: Optional[ctypes.c_void_p]) -> None:
-    """Gives a handle back; for __del__, so it raises nothing.  One of the process before a fork is left alone."""
+    """Releases a handle; for __del__, so it raises nothing. Ignores a handle of the process before a fork."""
     if handle and _library is not None and not is_inherited(handle):
         try:
             _library.hive_release(handle)
@@ -342,12 +342,13 @@ version: str = text_of(lib.hive_version())
 
 
 def protocol_version() -> int:
-    """Of what travels between modules; two that speak different ones refuse each other."""
+    """The version of the protocol; modules with different ones refuse each other."""
     return int(lib.hive_protocol_version())
 
 
 def default_home() -> str:
-    """Where drones of this machine meet: $HIVE_HOME, or $XDG_RUNTIME_DIR/hive, or /tmp/hive-UID."""
+    """The runtime directory, where drones of this machine connect: $HIVE_HOME, or $XDG_RUNTIME_DIR/hive, or
+    /tmp/hive-UID."""
     return ask_text(lib.hive_default_home) or ""
 
 
@@ -355,7 +356,7 @@ _living: weakref.WeakSet[Any] = weakref.WeakSet()
 
 
 def ends_at_exit(thing: Any) -> None:
-    """Has threads of the library end before the process does."""
+    """Ends the threads of the library before the process exits."""
     _living.add(thing)
 
 

@@ -1,4 +1,4 @@
-"""Pictures between the bodies of events and NumPy: what comes in is checked before it is used."""
+"""Converts images between event bodies and NumPy, and checks them first."""
 
 from __future__ import annotations
 
@@ -148,7 +148,7 @@ def _jpeg_size(data: bytes) -> Optional[tuple[int, int]]:
 def _decode_compressed(kind: str, data: bytes) -> NDArray[Any]:
     size = _png_size(data) if kind == "image/png" else _jpeg_size(data)
     if size is None or 0 in size:
-        raise _malformed(f"{kind}: {len(data)} bytes that are no such picture, or one that is cut short")
+        raise _malformed(f"{kind}: {len(data)} bytes that are not a complete image of this type")
     if size[0] * size[1] > MOST_PIXELS:
         raise Error("too_large", f"{kind}: {size[0]}x{size[1]} pixels are too many")
     if kind == "image/png":

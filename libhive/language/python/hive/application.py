@@ -1,4 +1,4 @@
-"""Applications: find drones, connect, configure, begin to collect."""
+"""Applications: find, connect and configure drones, and collect results."""
 
 from __future__ import annotations
 
@@ -46,11 +46,11 @@ def _connection(
 
 class Application(Finding):
     """An application in the swarm.  Calls return when they are confirmed; after ``timeout`` seconds they raise
-    :class:`hive.Error` "timeout".  A drone and its port are written "camera.image", or "camera" where only one port
-    fits.  From any thread; a closed application raises "stopped".
+    :class:`hive.Error` "timeout".  A port is "camera.image", or "camera" if only one port fits.  From any thread; a
+    closed application raises "stopped".
 
-    :param name: what drones call it; "": "app-PID"
-    :param home: where the drones of this machine meet; None: $HIVE_HOME, or what every program takes without it
+    :param name: its name in the swarm; "": "app-PID"
+    :param home: the runtime directory; None: $HIVE_HOME, or its default
     :param timeout: of every call, seconds
     :param key: the swarm's key file, for drones on other machines; None: $HIVE_KEY, or ~/.config/hive/swarm.key
     """
@@ -105,13 +105,13 @@ class Application(Finding):
             return "<hive.Application of another process>"
 
     def close(self) -> None:
-        """Leaves the swarm, and ends its collectors.  Once more: nothing."""
+        """Leaves the swarm, and closes its collectors.  Idempotent."""
         if self._handle:
             lib.hive_application_close(self._handle)
 
     @property
     def name(self) -> str:
-        """What drones call it."""
+        """Its name in the swarm."""
         return ask_text(lib.hive_application_name, self._handle) or ""
 
     def timeout(self, seconds: Seconds) -> None:
@@ -145,15 +145,14 @@ class Application(Finding):
 
         :param kind: the program hive-KIND in $HIVE_DRONE_PATH or $PATH, or a Python file, "edges.py"
         :param name: in the swarm; "": the kind
-        :param on: another machine, as ssh knows it, with Hive installed; "": this one
-        :param parameters: initial parameters, as ``values``; for those that are called as an argument is
-        :param listen: address where other machines reach it, "tcp://HOST:PORT"; with ``on`` the default is any
-        :param if_missing: a drone of this name and kind that runs there already is left as it is and counts as
-            started: for the cell of a notebook that is run again
-        :param advertise: where other machines find it, if that is not where it listens
-        :param ready: how long it may take to be ready; then it is stopped again
-        :raises hive.Error: "name_taken", "not_found" when there is no such program, "timeout"; when it exits instead,
-            the code that has its exit code, or "failed", with the last lines of its log
+        :param on: ssh host of another machine with Hive installed; "": this machine
+        :param parameters: initial parameters, as ``values``; for names that are arguments of this call
+        :param listen: address to listen at, "tcp://HOST:PORT"; with ``on`` the default is all addresses
+        :param if_missing: reuse a running drone of this name and kind: for notebook cells that run again
+        :param advertise: address for other machines, if it differs from ``listen``
+        :param ready: how long it may take to become ready; then it is stopped
+        :raises hive.Error: "name_taken", "not_found" if there is no such program, "timeout"; if it exits instead, the
+            error with its exit code, or "failed", with the end of its log
         """
         texts = {"name": name, "on": on, "on_exception": on_exception, "listen": listen, "advertise": advertise}
         for argument, text in {**texts, "log_level": log_level}.items():
@@ -187,16 +186,16 @@ class Application(Finding):
         ready: Seconds = 10.0,
         **options: Any,
     ) -> None:
-        """Lets a new process take over from a running drone: when it is ready, name, places, parameters and
-        connections pass over.  What is not given is as it was for the old one.
+        """Replaces a running drone with a new process, which takes over name, addresses, parameters and connections
+        once it is ready.  Options default to those of the old drone.
 
-        :param kind: what the new one is, or a Python file; "": what the old one is
-        :param parameters: set for the new one, besides what the old one was told
-        :param lose_state: the old one may lose what it remembers of earlier events
-        :param ready: how long it may take to get ready; until then the old one is unaffected
+        :param kind: kind of the new drone, or a Python file; "": that of the old one
+        :param parameters: parameters of the new drone, in addition to those of the old one
+        :param lose_state: replace even a stateful drone, without its state
+        :param ready: how long it may take to become ready; until then the old one is unaffected
         :param options: those of :meth:`start` from ``halted`` to ``log_level``, for the new one
-        :raises hive.Error: "not_found", "type_mismatch", "refused", "name_taken" when it is being replaced already,
-            "timeout"; with the last lines of the log when the new one has failed
+        :raises hive.Error: "not_found", "type_mismatch", "refused", "name_taken" if it is already being replaced,
+            "timeout"; with the end of the log if the new one failed
         """
         options = {
             **options,
@@ -225,18 +224,17 @@ class Application(Finding):
         lease: Optional[Seconds] = None,
         encoding: str = "",
     ) -> Union[tuple[str, str], list[tuple[str, str]]]:
-        """Connects an output to an input, confirmed by both.  Gives the ends that were used: ("camera.image",
-        "face.image").
+        """Connects an output to an input, confirmed by both.  Returns the two ends: ("camera.image", "face.image").
 
-        With lists or globs, connects every sender to every receiver, and gives a list.  When some of these fail, the
-        others are connected all the same, and the error names those that are not.
+        With lists or globs, connects every sender to every receiver, and returns a list.  If some fail, the others are
+        connected anyway, and the error names those that failed.
 
-        :param stream: every event is sent; without it the receiver gets the newest when it asks
-        :param notify: headers alone
-        :param window: events asked for ahead, 1 to 64
+        :param stream: send every event; otherwise the receiver gets the newest one when it is ready
+        :param notify: headers only
+        :param window: events to request ahead, 1 to 64
         :param share: the receivers share the events, one each: ``swarm.connect("camera", "face-*", share=True)``
-        :param group: the same with all receivers of a group of that name; default with ``share``: the sender's name
-        :param first_frame: begin with the newest event that exists already
+        :param group: share with all receivers of this group; default with ``share``: the sender's name
+        :param first_frame: start with the newest existing event
         :param lease: shared: how long a receiver may work on one event before another gets it
         :param encoding: of the bodies: "raw", "png", "jpeg", "jpeg:80"
         :raises hive.Error: "type_mismatch", "not_found", "invalid_argument" when several ports fit, "refused"
@@ -254,8 +252,8 @@ class Application(Finding):
         return self._each_pair(connect, self._ends(sender), self._ends(receiver))
 
     def disconnect(self, sender: Names, receiver: Names) -> None:
-        """Undoes it; with lists or globs, between every sender and every receiver.  A receiver that does not run is
-        forgotten by its sender."""
+        """Ends a connection; with lists or globs, between every sender and every receiver.  If the receiver has exited,
+        its sender forgets it."""
         def disconnect(one: str, other: str) -> None:
             lib.hive_application_disconnect(self._handle, encoded(one), encoded(other))
 
@@ -282,9 +280,9 @@ class Application(Finding):
     # --- configure ---
 
     def set(self, drone: Names, values: Optional[Mapping[str, Any]] = None, **parameters: Any) -> dict[str, Any]:
-        """Sets parameters, all together or none: ``swarm.set("face", scale=1.05)``.  Gives what the drone applied.
+        """Sets parameters, all together or none: ``swarm.set("face", scale=1.05)``.  Returns the applied values.
 
-        With a glob or several names, on all of these drones or on none: gives that by drone.
+        With a glob or several names: on all of these drones or on none; returns a dict by drone.
 
         :raises hive.Error: "refused" with the reason, "not_found"; on several drones :class:`hive.SetError`
         """
@@ -311,8 +309,8 @@ class Application(Finding):
         return answers
 
     def get(self, drone: Names, *names: str) -> dict[str, Any]:
-        """The present values, of all parameters or of those named.  With a glob or several drones: by drone, where one
-        that does not answer has an :class:`Error` instead."""
+        """The current values of all or of the named parameters.  With a glob or several drones: a dict by drone, with
+        an :class:`Error` for one that does not answer."""
         wanted = as_json(list(names)) if names else None
         if not is_many(drone):
             values: dict[str, Any] = ask_json(lib.hive_application_get, self._handle, encoded(str(drone)), wanted)
@@ -333,12 +331,12 @@ class Application(Finding):
         first_frame: bool = False,
         encoding: str = "",
     ) -> Collector:
-        """Receives from outputs, of drones, globs or lists of them.  Returns when every drone has acknowledged.
+        """Receives from outputs: drones, globs or lists of them.  Returns when every drone has acknowledged.
 
-        A wait of 3 s says in ``logging``, as "hive", why nothing comes.
+        A wait of 3 s logs the stall reason to ``logging``, as "hive".
 
-        :param ordered: results of one source in the order of its captures, however many workers made them
-        :param patience: ordered: how long a missing result holds up those after it
+        :param ordered: results of each source in capture order, even from several workers
+        :param patience: ordered: how long a missing result delays those after it
         """
         connection = _connection(stream, notify, None if stream else window, "", first_frame, None, encoding)
         options = {"connection": connection, "ordered": ordered, "patience_ms": milliseconds(patience)}
@@ -354,9 +352,9 @@ class Application(Finding):
         window: int = 64,
         encoding: str = "",
     ) -> MatchedCollector:
-        """Receives sets of events that belong together, one of each of two or more outputs.
+        """Receives sets of matching events, one of each of two or more outputs.
 
-        :param within: None: events of one capture; otherwise those nearest in time, at most so many seconds apart
+        :param within: None: events of one capture; otherwise the nearest in time, at most this many seconds apart
         """
         options = {"connection": _connection(notify=notify, window=window, encoding=encoding)}
         match = None if within is None else as_json({"tolerance_us": int(within * 1e6)})
@@ -367,7 +365,7 @@ class Application(Finding):
         return MatchedCollector(handle, self._when_silent(ends, notify))
 
     def _when_silent(self, outputs: list[str], notify: bool) -> Callable[[], str]:
-        """Why nothing comes."""
+        """The stall reason."""
         wanted = as_json(outputs)
 
         def why() -> str:
@@ -384,16 +382,16 @@ class Application(Finding):
     def results(
         self, *drones: Names, count: Optional[int] = None, timeout: Optional[Seconds] = None, ordered: bool = False
     ) -> Results:
-        """The results of drones, one after the other: of the output that is named ("face.faces"), or of the only one
-        with results in the header.  Iterate, with ``for`` or ``async for``.
+        """The results of drones, one after the other: from the named output ("face.faces"), or from the only one with
+        results in the header.  Iterate, with ``for`` or ``async for``.
 
         :param drones: names, globs, or lists of them
-        :param count: how many; None: no end
-        :param timeout: how long to wait for each; then :class:`hive.Error` "timeout" is raised and says why nothing
-            came.  A longer wait than 3 s says so in ``logging``, as "hive".
+        :param count: number of results; None: unlimited
+        :param timeout: how long to wait for each; then :class:`hive.Error` "timeout" is raised with the stall reason.
+            A wait of 3 s logs it to ``logging``, as "hive".
 
-        The loop ends when everything has ended.  If that was no regular end, what was said about it is raised as a
-        :class:`hive.Error` "abandoned".
+        The loop ends when everything has ended.  If something is missing, it raises a :class:`hive.Error` "abandoned"
+        with the reason.
         """
         if count is not None and not hasattr(count, "__index__"):
             raise Error("invalid_argument", f"count is a whole number, not {count!r}")
@@ -403,19 +401,20 @@ class Application(Finding):
         return Results(self.collect(outputs, ordered=ordered), ", ".join(outputs), count, timeout)
 
     def explain(self, *outputs: Names) -> dict[str, Any]:
-        """Why nothing comes, as `hivectl explain --json` prints it: "text" is one line, "" when nothing holds them up;
-        "causes" has "what", "text", "evidence" and "command" of each cause; "flows" the events per second.
+        """The causes of a stall, as `hivectl explain --json` prints them: "text" is one line, "" if nothing blocks the
+        events; "causes" has "what", "text", "evidence" and "command" of each cause; "flows" the events per second.
 
         :param outputs: drones or outputs; without any, all drones
         """
         return ask_object(lib.hive_application_explain, self._handle, as_json(self._ends(flat(*outputs))))
 
     def advise(self, *drones: Names, goal: str = "fps", time: float = 2) -> dict[str, Any]:
-        """Where the time of events goes and what would help, as `hivectl advise --json` prints it: "lines" have
-        "stations", "limits", of which the first is the bottleneck, and "proposals" with "command" and "predicted_per_s".
+        """Where events spend their time and what would help, as `hivectl advise --json` prints it: "lines" have
+        "stations", "limits", of which the first is the bottleneck, and "proposals" with "command" and
+        "predicted_per_s".
 
-        :param drones: the last drone of a line, or the first and the last; without any, all lines
-        :param goal: "fps", or "latency", which is the age of events
+        :param drones: the last drone of a pipeline, or the first and the last; without any, all pipelines
+        :param goal: "fps", or "latency" (the age of events)
         :param time: seconds to measure
         """
         options = {"goal": goal, "time_ms": milliseconds(time)}
@@ -427,12 +426,12 @@ class Application(Finding):
         return ask_object(lib.hive_application_audit, self._handle)
 
     def graph(self) -> dict[str, Any]:
-        """What the swarm is made of, as `hivectl graph --json` prints it: "drones" have "name", "host", "kind" and
-        "state", "connections" have "from", "to", "group" and "connected"."""
+        """The drones and connections of the swarm, as `hivectl graph --json` prints them: "drones" have "name", "host",
+        "kind" and "state", "connections" have "from", "to", "group" and "connected"."""
         return ask_object(lib.hive_application_graph, self._handle)
 
     def failures(self, drone: str) -> list[dict[str, Any]]:
-        """What a drone failed at, as far as it is kept on this machine, the newest last: "number", "time_us", "code" (of
+        """The failures of a drone that are kept on this machine, the newest last: "number", "time_us", "code" (of
         an error, or "died", "silent", "late"), "text", and "inputs", each with "input", "sender", "source", "seq",
         "type", "size" and "header".  The drone need not run."""
         return ask_list(lib.hive_application_failures, self._handle, encoded(drone))
@@ -448,8 +447,8 @@ class Application(Finding):
         under: Sequence[str] = (),
         **parameters: Any,
     ) -> dict[str, Any]:
-        """Gives the inputs of a failure to a fresh drone of the same kind, apart from the swarm: "outcome" is "passed",
-        "threw", "died" or "hung", "text" what is known of that, "log" the last lines of the drone.
+        """Reruns the inputs of a failure in a new drone of the same kind, outside of the swarm: "outcome" is "passed",
+        "threw", "died" or "hung", "text" the details, "log" the end of its log.
 
         :param number: of the failure, see :meth:`failures`; 0: the newest
         :param kind: a kind or a Python file; "": what the drone is or was
@@ -487,7 +486,7 @@ class Application(Finding):
     # --- control ---
 
     def halt(self, *drones: Names) -> None:
-        """They take nothing more until they are resumed."""
+        """They take no more events until resumed."""
         for name in self._named(flat(*drones)):
             lib.hive_application_halt(self._handle, encoded(name))
 
@@ -496,7 +495,7 @@ class Application(Finding):
             lib.hive_application_resume(self._handle, encoded(name))
 
     def stop(self, *drones: Names) -> None:
-        """Ends drones, and what they were told is forgotten; returns when they are gone."""
+        """Stops drones, discards their saved state, and returns when they have exited."""
         for name in self._named(flat(*drones)):
             lib.hive_application_stop(self._handle, encoded(name))
 

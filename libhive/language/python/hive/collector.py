@@ -1,4 +1,4 @@
-"""What an application collects: events one by one, or in sets that belong together."""
+"""Collectors: receive events one by one, or in matched sets."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from ._library import Owner, ask_list, ask_object, lib, release
 from .event import Event
 
 Seconds = float
-SLICE = 0.1  # how soon Ctrl-C is seen while nothing comes
-SILENCE = 3.0  # after which it is said why nothing comes, as hivectl does
+SLICE = 0.1  # how soon Ctrl-C is seen during a wait
+SILENCE = 3.0  # after which the stall reason is logged, as by hivectl
 _MOST_IN_SET = 64
 
 
 class Counts(NamedTuple):
-    """What a collector has counted so far."""
+    """The counters of a collector."""
 
     received: int
     duplicates: int  #: second answers, refused
@@ -29,7 +29,7 @@ class Counts(NamedTuple):
 
 
 class SetCounts(NamedTuple):
-    """What a collector of sets has counted so far: :class:`Counts` of its events, and of their sets."""
+    """The counters of a collector of sets: :class:`Counts` of its events, and of their sets."""
 
     received: int
     duplicates: int
@@ -49,7 +49,7 @@ def milliseconds(seconds: float) -> int:
 
 
 class _Silence:
-    """Says once for each wait why nothing comes."""
+    """Logs the stall reason once per wait."""
 
     def __init__(self, why: Callable[[], str]) -> None:
         self._why = why
@@ -64,7 +64,7 @@ class _Silence:
         if text := self._why():
             import logging
 
-            logging.getLogger("hive").warning("nothing comes: %s", text)
+            logging.getLogger("hive").warning("no events: %s", text)
 
 
 class _Collecting(Owner):
@@ -92,7 +92,7 @@ class _Collecting(Owner):
         return taken
 
     def _go_on(self) -> None:
-        """Whoever asks for the next one is done with the last."""
+        """Asking for the next event releases the last one."""
         for event in self._last:
             event._left()
         self._last = ()
@@ -142,15 +142,15 @@ class _Collecting(Owner):
 
     @property
     def ended(self) -> Optional[str]:
-        """When all that it receives has come to its end and everything was taken: what is lacking, "" when
-        nothing is.  None as long as something may come; so it is again when something comes after all."""
+        """What is missing, or "", once all outputs have ended and every event was taken.  None before, and again if
+        another event arrives."""
         over, text = ctypes.c_bool(), ctypes.c_void_p()
         lib.hive_collector_ended(self._handle, ctypes.byref(over), ctypes.byref(text))
         return _library.take_text(text) if over.value else None
 
     def counts(self) -> dict[str, Any]:
-        """What has been counted so far: "received", "duplicates" (second answers, refused), "missing", "failed",
-        "dropped" (not taken in time); of sets also "sets": {"sets", "waiting", "unmatched", "missing"}."""
+        """The counters so far: "received", "duplicates" (rejected), "missing", "failed", "dropped" (not taken in time);
+        of sets also "sets": {"sets", "waiting", "unmatched", "missing"}."""
         return ask_object(lib.hive_collector_counts, self._handle)
 
     def _numbers(self, names: Sequence[str]) -> Iterator[int]:
@@ -161,11 +161,11 @@ class _Collecting(Owner):
 
     def inputs(self) -> list[dict[str, Any]]:
         """This end of each connection: "input", "from" ("camera.image"), "connected", "received", "queued", "dropped",
-        "last_age_us", "error", "why", ... (SPEC.md, section 6.4); what is 0, false or empty is left out."""
+        "last_age_us", "error", "why", ... (SPEC.md, section 6.4); values that are 0, false or empty are omitted."""
         return ask_list(lib.hive_collector_inputs, self._handle)
 
     def close(self) -> None:
-        """Ends receiving.  Once more: nothing."""
+        """Stops receiving.  Idempotent."""
         self._go_on()
         lib.hive_collector_close(self._handle)
         self._pending = None
@@ -227,7 +227,7 @@ class Collector(_Collecting):
 
 
 class MatchedCollector(_Collecting):
-    """Receives sets of events that belong together: tuples of one event of each output, in their order."""
+    """Receives sets of matching events: tuples of one event of each output, in their order."""
 
     def __enter__(self) -> MatchedCollector:
         return self
@@ -241,7 +241,7 @@ class MatchedCollector(_Collecting):
         return SetCounts(*self._numbers(SetCounts._fields))
 
     def next(self, timeout: Optional[Seconds] = None) -> Optional[tuple[Event, ...]]:
-        """The next set; None when none was complete within ``timeout`` (None: waits for ever), or all has ended."""
+        """The next set; None if none was complete within ``timeout`` (None: waits forever), or everything has ended."""
         events: Optional[tuple[Event, ...]] = self._next(timeout)
         return events
 
@@ -285,11 +285,11 @@ class Results:
 
     @property
     def counters(self) -> Counts:
-        """What has been received until now, and what was not; see :class:`Counts`."""
+        """The counters until now; see :class:`Counts`."""
         return self._collector.counters
 
     def close(self) -> None:
-        """Ends receiving, as the end of the loop does."""
+        """Stops receiving, as the end of the loop does."""
         self._collector.close()
 
     def __enter__(self) -> Results:

@@ -218,10 +218,10 @@ class Drone(Callbacks):
         return Output(place, name)
 
     def on_event(self, input: str, type: str, help: str = "") -> Callable[[Callback], Callback]:
-        """Declares an input, and what to do with its events: decorates ``function(event)``.
+        """Declares an input with the callback of its events: decorates ``function(event)``.
 
-        :param type: media types that it takes: "image/raw", "image/*"
-        :param help: what it is for; "": the first line of the function's docstring
+        :param type: media types that it accepts: "image/raw", "image/*"
+        :param help: description; "": the first line of the function's docstring
         """
 
         _types("input " + require_text("the name of an input", input), type)
@@ -250,12 +250,12 @@ class Drone(Callbacks):
         within: Optional[Seconds] = None,
         check: Optional[Callable[[Event], Any]] = None,
     ) -> Callable[[Callable[..., Any]], Matching]:
-        """Declares two or more inputs whose events belong together: decorates ``function(event, event, ...)``, which
-        gets one event of each, in the order of the inputs.  Gives a :class:`Matching` in its place.
+        """Declares two or more inputs whose events are matched: decorates ``function(event, event, ...)``, which
+        gets one event of each, in the order of the inputs.  Returns a :class:`Matching` in its place.
 
         :param inputs: (name, type, help) of each
-        :param within: None: events of one capture; otherwise those nearest in time, at most so many seconds apart
-        :param check: looks at each event when it arrives; what it raises abandons that event
+        :param within: None: events of one capture; otherwise the nearest in time, at most this many seconds apart
+        :param check: validates each event when it arrives; if it raises, that event is abandoned
         """
         declared = as_json([_port(each) for each in inputs])
         if check is not None:
@@ -283,14 +283,14 @@ class Drone(Callbacks):
         return _library.event_callback(lambda user, handle: call(handle))
 
     def on_change(self, function: Callback) -> Callback:
-        """Decorates what is called after the parameters of one set were assigned, and once before the first event.
-        If it raises, all are put back, it is called again, and the set is refused with its text."""
+        """Decorates a function that is called after the parameters of one set were assigned, and once before the first
+        event.  If it raises, the old values are restored, it is called again, and the set is refused with its text."""
         require_plain("on_change", function)
         self._changed = function
         return function
 
     def on_start(self, function: Callback) -> Callback:
-        """Decorates what is called once when the drone runs for real: the place to open devices and load models.  If it
+        """Decorates a function that is called once, when the drone runs: open devices and load models there.  If it
         raises, the drone does not run."""
         require_plain("on_start", function)
         self._call(
@@ -301,18 +301,17 @@ class Drone(Callbacks):
         return function
 
     def on_end(self, function: Callback) -> Callback:
-        """Decorates ``function(text)``, which is called when everything that the inputs receive has come to its end and
-        has been worked on, before the outputs end too.  ``text`` says what is lacking, "": nothing.  Once more
-        when something came after all."""
+        """Decorates ``function(text)``, which is called when all inputs have ended and every event is processed, before
+        the outputs end too.  ``text``: what is missing, or "".  Called again if more events arrived after all."""
         require_plain("on_end", function)
         call = self._guarded(lambda text: function(_library.text_of(text)))
         self._call(lib.hive_drone_on_end, _library.end_callback(lambda _, text: call(text)), None)
         return function
 
     def main(self, function: Callback) -> Callback:
-        """Decorates what a source does, again and again between callbacks: it returns how many seconds to wait before
-        the next call (None: none).  It is called earlier when the demand for an output changes, a parameter was set, or
-        by :meth:`wake`, so a source that has a rate looks at the clock; not while the drone is halted."""
+        """Decorates a function that is called repeatedly between callbacks, for sources: it returns the seconds to wait
+        before the next call (None: none).  It is called earlier if the demand for an output changes, a parameter was
+        set, or by :meth:`wake`, so a source with a rate checks the clock; not while the drone is halted."""
 
         require_plain("main", function)
 
@@ -323,13 +322,13 @@ class Drone(Callbacks):
         return function
 
     def describe(self) -> dict[str, Any]:
-        """What has been declared, as --describe prints it."""
+        """The declarations, as --describe prints them."""
         return ask_object(lib.hive_drone_describe, self._handle)
 
     # --- running ---
 
     def run(self) -> None:
-        """Runs until the drone is told to stop.  For --describe: prints the interface and returns.
+        """Runs until the drone is stopped.  For --describe: prints the interface and returns.
 
         :raises SystemExit: in a program, when the drone cannot run
         :raises hive.Error: "name_taken", "io", and what on_start raised
@@ -357,17 +356,17 @@ class Drone(Callbacks):
             raise self._leave
 
     def start(self) -> None:
-        """Meets the swarm; then :meth:`step` as often as wanted, and :meth:`end`."""
+        """Joins the swarm; call :meth:`step` repeatedly then, and :meth:`end`."""
         lib.hive_drone_start(self._handle)
 
     def step(self, seconds: float) -> bool:
-        """Works for about so long, at least a millisecond.  False: it was told to stop."""
+        """Works for about this long, at least a millisecond.  False: it was stopped."""
         place = ctypes.c_bool()
         lib.hive_drone_step(self._handle, int(seconds * 1000), ctypes.byref(place))
         return place.value
 
     def end(self) -> None:
-        """Ends as the request ``stop`` would, and forgets what it was told.  Once more: nothing."""
+        """Stops as by the request ``stop``, and discards its saved state.  Idempotent."""
         lib.hive_drone_end(self._handle)
 
     def wake(self) -> None:
@@ -375,18 +374,18 @@ class Drone(Callbacks):
         lib.hive_drone_wake(self._handle)
 
     def stop(self) -> None:
-        """Ends the drone: what is being worked on comes to its end, and :meth:`run` returns.  From any thread."""
+        """Stops the drone: the current event is finished, and :meth:`run` returns.  From any thread."""
         lib.hive_drone_stop(self._handle)
 
     def condition(self, text: str = "", reason: str = "") -> None:
-        """Says what state its world is in, shown by ``ps``: "stalled"; "": all is well.  From any thread.
+        """Sets the condition of its source, shown by ``ps``: "stalled"; "": none.  From any thread.
 
-        :param reason: why nothing moves, one of the words of SPEC.md: "source_ended"
+        :param reason: the stall reason, one of those in SPEC.md: "source_ended"
         """
         lib.hive_drone_condition(self._handle, encoded(text), encoded(reason))
 
     def source_events(self, events: int) -> None:
-        """Says how many events the present source has in all; 0: unknown, or without end.  From any thread."""
+        """Sets the number of events of the current source; 0: unknown or unlimited.  From any thread."""
         lib.hive_drone_source_events(self._handle, events)
 
     def report(self, text: str, code: str = "failed") -> None:
@@ -402,9 +401,9 @@ class Drone(Callbacks):
 
     @property
     def stopping(self) -> bool:
-        """Should the drone end?  For loops in threads of your own.  From any thread."""
+        """True if the drone is to stop.  For loops in threads of your own.  From any thread."""
         return ask_flag(lib.hive_drone_stopping, self._handle)
 
     def status(self) -> dict[str, Any]:
-        """What an application would be told now; after it ran, how it was at the end."""
+        """The status that an application would get now; after run(), the last one."""
         return ask_object(lib.hive_drone_status, self._handle)

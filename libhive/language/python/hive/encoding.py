@@ -1,4 +1,4 @@
-"""Encodings: how an output gives its events to receivers that want them otherwise, or are on another machine."""
+"""Encodings: how an output sends events to receivers that request another form, or are on another machine."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Encoded = Union[bytes, bytearray, memoryview, "tuple[Mapping[str, Any], Union[by
 
 
 class Encoding(NamedTuple):
-    """One way in which an output can give its events; see :meth:`hive.Drone.output`."""
+    """One encoding of the events of an output; see :meth:`hive.Drone.output`."""
 
     word: str  #: what a connection asks for: "jpeg"
     type: str  #: the media type that comes of it: "image/jpeg"
@@ -30,12 +30,12 @@ class Encoding(NamedTuple):
 
 
 def pictures(*words: str) -> list[Encoding]:
-    """The encodings of pictures, for outputs whose events are emitted by ``emit_image``::
+    """The image encodings, for outputs whose events are emitted by ``emit_image``::
 
         drone.output("image", "image/raw,image/jpeg,image/png", encodings=hive.pictures())
 
-    :param words: of "jpeg" (quality 80, or "jpeg:1" to "jpeg:100"), "png" and "raw", the preferred one first: that is
-        what travels to other machines unless a connection asks for another.  None: all, in this order.
+    :param words: of "jpeg" (quality 80, or "jpeg:1" to "jpeg:100"), "png" and "raw", the preferred one first: it is
+        used for other machines unless a connection requests another.  None: all, in this order.
     """
     known = {
         "jpeg": Encoding("jpeg", "image/jpeg", _as("image/jpeg"), 1, 100),

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 class Hop(NamedTuple):
-    """Time spent by one drone on the way of an event."""
+    """Time that an event spent at one drone."""
 
     drone: str
     wait_us: int  #: from arrival until its code began
@@ -23,7 +23,7 @@ class Hop(NamedTuple):
 
 
 class Share(NamedTuple):
-    """One sender's work behind an event, which it may have given out more than once."""
+    """One job of shared work, which may have been dispatched more than once."""
 
     of: str  #: "camera.image#workers": output and group
     epoch: int
@@ -58,12 +58,11 @@ class _Memory:
 
 
 class Event:
-    """Something that happened: a header, a body, and where and when it began.
+    """An event: a header, a body, and the time and source of its capture.
 
-    While an event is *in hand* it counts as being worked on, and its sender waits with the next one.  It is in hand
-    until the callback returns, or until the next one is taken from a collector; :meth:`hold` makes that longer,
-    :meth:`done` shorter.  Header, body and pictures stay valid as long as anybody refers to them; pictures hold memory
-    of the sender, but never an event.
+    While an event is *in use*, its sender holds back the next one.  It is in use until the callback returns, or until
+    the next one is taken from a collector; :meth:`hold` makes that longer, :meth:`done` shorter.  Header, body and
+    images stay valid as long as they are referenced; images keep memory of the sender, but not the event.
     """
 
     __slots__ = ("_handle", "_info_cache", "_header_cache", "_held", "__weakref__")
@@ -86,7 +85,7 @@ class Event:
 
     @property
     def header(self) -> dict[str, Any]:
-        """What the sender's author put in."""
+        """The sender's own header."""
         if self._header_cache is None:
             place, length = ctypes.c_void_p(), ctypes.c_size_t()
             lib.hive_event_header(self._handle, ctypes.byref(place), ctypes.byref(length))
@@ -97,14 +96,14 @@ class Event:
     def body(self) -> memoryview:
         """The bytes, read-only and without a copy; empty in a notification.
 
-        When :attr:`foreign` is true they lie in memory of another process, which could still change them: copy them
+        If :attr:`foreign` is true, they are in memory of another process, which could still change them: copy them
         (``bytes(event.body)``) before you check and use them.
         """
         return _Memory(ask_handle(lib.hive_event_body, self._handle), lib.hive_body_bytes).view().toreadonly()
 
     @property
     def foreign(self) -> bool:
-        """Do the bytes of the body lie in memory of another process?"""
+        """True if the body is in memory of another process."""
         body = ask_handle(lib.hive_event_body, self._handle)
         try:
             return ask_flag(lib.hive_body_foreign, body)
@@ -112,18 +111,18 @@ class Event:
             release(body)
 
     def image(self, bits: Optional[int] = None) -> NDArray[Any]:
-        """The picture in the body, as a NumPy array.
+        """The image in the body, as a NumPy array.
 
         ``image/raw`` gives a read-only view without a copy, of ``uint8``, ``uint16`` or ``float32``, and of shape
         (height, width) for grey, (height, width, 3) for colour in the order blue, green, red, and (height, width, 4)
         with alpha.  ``image/jpeg`` and ``image/png`` are copied, checked and decoded to ``uint8`` of (height, width,
-        3); one that is cut short or damaged is refused.
+        3); a truncated or damaged one is refused.
 
         :param bits: 8: for code that works on ``uint8`` of one or three channels: of 16 bits the upper eight, without
             alpha, and of ``float32`` "unsupported"; None: as it comes
 
-        :raises hive.Error: "malformed" when header and bytes are no such picture, "too_large" beyond 40 million pixels,
-            "unsupported" when the body is of another type, or nothing is installed that decodes it
+        :raises hive.Error: "malformed" if header or bytes are invalid, "too_large" beyond 40 million pixels,
+            "unsupported" if the body is of another type, or no decoder is installed
         """
         if bits not in (None, 8):
             raise Error("invalid_argument", f"image() converts to 8 bits, not to {bits!r}")
@@ -132,37 +131,37 @@ class Event:
 
     @property
     def source(self) -> str:
-        """The drone that captured what this came of."""
+        """The drone that made the capture."""
         return str(self._info["source"])
 
     @property
     def epoch(self) -> int:
-        """Of the source: a restarted one has a larger one."""
+        """The run of the source: larger after each restart."""
         return int(self._info["epoch"])
 
     @property
     def sequence(self) -> int:
-        """Of the capture, from 1, in that epoch."""
+        """The number of the capture in that epoch, from 1."""
         return int(self._info["sequence"])
 
     @property
     def captured(self) -> float:
-        """When it was captured, seconds since 1970; 0.0: unknown."""
+        """The time of the capture, seconds since 1970; 0.0: unknown."""
         return float(self._info["captured_us"] / 1e6)
 
     @property
     def age(self) -> float:
-        """Seconds from the capture until this was first asked; 0.0 when nobody knows."""
+        """Seconds from the capture to the first read of this attribute; 0.0: unknown."""
         return float(self._info["age_us"] / 1e6)
 
     @property
     def lossless(self) -> bool:
-        """Is it of a source on demand, so that nobody may skip it?"""
+        """True if it is from a source on demand, so that no receiver skips it."""
         return bool(self._info["lossless"])
 
     @property
     def part(self) -> int:
-        """Numbers what one drone emits on one output for one input, from 0."""
+        """The number of the event among those emitted on one output for one input, from 0."""
         return int(self._info["part"])
 
     @property
@@ -172,17 +171,17 @@ class Event:
 
     @property
     def kind(self) -> str:
-        """What the sender is: "face"."""
+        """The kind of the sender: "face"."""
         return str(self._info["kind"])
 
     @property
     def output(self) -> str:
-        """Of the sender."""
+        """The output of the sender."""
         return str(self._info["output"])
 
     @property
     def input(self) -> str:
-        """Where it arrived."""
+        """The input where it arrived."""
         return str(self._info["input"])
 
     @property
@@ -192,32 +191,32 @@ class Event:
 
     @property
     def size(self) -> Optional[int]:
-        """Of the body at the sender, bytes, also in a notification; None: it was never made."""
+        """Size of the body at the sender in bytes, also in a notification; None: no body was made."""
         size: Optional[int] = self._info["size"]
         return size
 
     @property
     def hops(self) -> list[Hop]:
-        """The drones on its way, and the time that each took."""
+        """The drones that it passed, and the time that each took."""
         return [Hop(**hop) for hop in self._info["hops"]]
 
     @property
     def shares(self) -> list[Share]:
-        """Whose shared work stands behind it, outermost first."""
+        """The shared work that it results from, outermost first."""
         return [Share(**share) for share in self._info["shares"]]
 
     def done(self) -> None:
-        """From now on it is only looked at: its sender may give the next one."""
+        """Ends its use: its sender may send the next one."""
         self._held = False
         lib.hive_event_done(self._handle)
 
     def hold(self) -> Event:
-        """Stays in hand until :meth:`done`, or until nobody refers to it any more."""
+        """Extends its use until :meth:`done`, or until it is no longer referenced."""
         self._held = True
         return self
 
     def _left(self) -> None:
-        """Whoever worked on it has gone on."""
+        """Its user has moved on."""
         if not self._held:
             lib.hive_event_done(self._handle)
 
@@ -229,7 +228,7 @@ class Event:
         )
 
     def _repr_png_(self) -> Optional[bytes]:
-        """For notebooks; None: it has no picture to show."""
+        """For notebooks; None: no image."""
         if self.type == "image/png":
             return bytes(self.body) or None
         try:
@@ -238,5 +237,5 @@ class Event:
             return None  # the text is shown all the same
 
     def _repr_jpeg_(self) -> Optional[bytes]:
-        """For notebooks; None: it has no picture to show."""
+        """For notebooks; None: no image."""
         return bytes(self.body) or None if self.type == "image/jpeg" else None

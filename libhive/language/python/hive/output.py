@@ -1,4 +1,4 @@
-"""Outputs: what a drone emits, and the memory that it may write pictures into."""
+"""Outputs: emit events, and lend memory for images."""
 
 from __future__ import annotations
 
@@ -89,17 +89,17 @@ class Output(Owner):
 
     @property
     def wanted(self) -> bool:
-        """Does anybody receive the bodies?  If not, there is no need to make one."""
+        """True if any receiver takes bodies.  If not, you need not make one."""
         return ask_flag(lib.hive_output_wanted, self._handle)
 
     @property
     def received(self) -> bool:
-        """Does anybody receive it, be it headers alone?"""
+        """True if it has receivers, even of headers."""
         return ask_flag(lib.hive_output_received, self._handle)
 
     @property
     def asked(self) -> bool:
-        """For sources on demand: has every receiver asked for another event, and is there one?"""
+        """For sources on demand: True if there are receivers, and all have requested another event."""
         return ask_flag(lib.hive_output_asked, self._handle)
 
     def emit(
@@ -108,13 +108,13 @@ class Output(Owner):
         body: Union[Bytes, Callable[[], Bytes]] = b"",
         type: Optional[str] = None,
     ) -> None:
-        """Sends an event to whoever wants it; never waits for a receiver.
+        """Sends an event to the receivers; never waits for one.
 
-        Inside a callback it inherits identity and time of the input, elsewhere it begins a new identity.
+        Inside a callback it inherits identity and time of the input, elsewhere it starts a new identity.
 
-        :param header: what JSON can hold, at most about 60 KiB
-        :param body: is copied; a function that makes one is called only if somebody is to have it: if it is
-            :attr:`wanted`, or has to wait for the first receiver of what comes of a source on demand
+        :param header: anything that JSON can hold, at most about 60 KiB
+        :param body: copied; a function that makes one is called only if it is needed: it is :attr:`wanted`, or it is
+            from a source on demand and waits for the first receiver
         :param type: media type of the body; None: the first that the output was declared with
         :raises hive.Error: "too_large", "invalid_argument"
         """
@@ -134,9 +134,10 @@ class Output(Owner):
     def loan(self, shape: Union[int, Sequence[int]], dtype: Any = "uint8") -> NDArray[Any]:
         """An array to fill and :meth:`emit_image`: receivers on this machine read its memory, so nothing is copied.
 
-        Never waits.  Its content is undefined; do not write to it any more once it was emitted.  From any thread.
+        Never waits.  Its content is undefined; do not write to it after it was emitted.  From any thread.
 
-        :raises hive.Error: "too_large" beyond the 64 MiB that an event holds, "invalid_argument" for what is not a shape
+        :raises hive.Error: "too_large" beyond the 64 MiB that an event holds, "invalid_argument" for what is not a
+            shape
         """
         numpy = _pictures._numpy()
         kind = numpy.dtype(dtype)
@@ -149,11 +150,11 @@ class Output(Owner):
         return array
 
     def emit_image(self, image: NDArray[Any], header: Optional[Mapping[str, Any]] = None, **fields: Any) -> None:
-        """Sends a picture as ``image/raw``, with ``fields`` in its header.
+        """Sends an image as ``image/raw``, with ``fields`` in its header.
 
         :param image: ``uint8``, ``uint16`` or ``float32``, of shape (height, width) or (height, width, 1) for grey,
             (height, width, 3) for colour in the order blue, green, red, or (height, width, 4) with alpha.  Most drones
-            work on ``uint8``.  It is copied once if anybody wants it; an array of :meth:`loan` not at all.
+            work on ``uint8``.  It is copied once if it has receivers; an array of :meth:`loan` is not copied.
         """
         text = _header(header, {**fields, **_pictures.raw_header(image)})
         self._made(
@@ -169,9 +170,9 @@ class Output(Owner):
         captured: Optional[float] = None,
         lossless: bool = False,
     ) -> None:
-        """Begins a new identity, captured at that time (seconds since 1970; None: now).
+        """Starts a new identity, captured at that time (seconds since 1970; None: now).
 
-        :param lossless: of a source on demand: nobody on the way may skip it
+        :param lossless: of a source on demand: no receiver skips it
         """
         text = _header(header)
         when = (_microseconds(captured), lossless, text, len(text))
@@ -194,7 +195,7 @@ class Output(Owner):
         captured: Optional[float] = None,
         lossless: bool = False,
     ) -> None:
-        """A picture as in :meth:`emit_image`, with an identity as in :meth:`emit_captured`: for cameras."""
+        """An image as in :meth:`emit_image`, with an identity as in :meth:`emit_captured`: for cameras."""
         text = _header(header, _pictures.raw_header(image))
         self._made(
             lambda: self._picture(image),
@@ -210,26 +211,26 @@ class Output(Owner):
     def fail(
         self, text: str, code: str = "io", *, captured: Optional[float] = None, lossless: bool = False
     ) -> NoReturn:
-        """For main, about something that was taken and cannot be given, as a damaged file: it has its number in the
-        sequence all the same.  Raises :class:`hive.Error`; let main pass it on."""
+        """For main: reports a capture without an event, such as a damaged file; it uses up its number.  Raises
+        :class:`hive.Error`; let main pass it on."""
         lib.hive_output_fail(self._handle, _microseconds(captured), lossless, code_of(code), encoded(text))
         raise AssertionError("hive_output_fail always fails")
 
     def repeat(self, event: Event) -> None:
-        """Sends an event again as it once was, with its own identity."""
+        """Sends an event again, unchanged and with its identity."""
         lib.hive_output_repeat(self._handle, event._handle)
 
     def end(self, text: str = "") -> None:
-        """The source has come to its end: nothing more will come, unless something is emitted all the same.  Drones
-        pass it on, so that whoever collects at the other end knows that it has everything.
+        """Ends the source: nothing more will come, unless something is emitted after all.  Drones pass it on, so that
+        collectors know that they have everything.
 
-        :param text: what is lacking: "87 of 196 frames: the file is damaged"; "": nothing
+        :param text: what is missing: "87 of 196 frames: the file is damaged"; "": nothing
         """
         lib.hive_output_end(self._handle, encoded(text))
 
     def begin_source(self) -> None:
-        """What is captured from now on is of another source, numbered from 1.  After an end that is so by itself; called all
-        the same, it revokes the end at once, before the first event is made."""
+        """Starts another source: captures are numbered from 1.  After an end this is implied; called anyway, it revokes
+        the end at once, before the first event."""
         lib.hive_output_begin_source(self._handle)
 
     def _loan(self, size: int) -> _Memory:

@@ -1,4 +1,4 @@
-"""What a drone declares beside its callbacks: parameters, and which events belong together."""
+"""Declarations of a drone: parameters and matching."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def _unary(function: Callable[[Any], Any]) -> Callable[[Any], Any]:
 
 
 class Parameter(Generic[Value]):
-    """A value that applications may set while the drone runs; between two callbacks it does not change.
+    """A value that applications may set while the drone runs; it changes only between two callbacks.
 
     It counts, compares and formats as its :attr:`value`: ``if invert:``, ``2 * low``, ``f"{scale:.2f}"``.  Give
     ``low.value`` to functions that check types.
@@ -109,7 +109,7 @@ class Matching:
         release(self._handle)
 
     def rule(self, within: Optional[Seconds] = None) -> None:
-        """Changes the rule, also for the events that wait; None: events of one capture."""
+        """Changes the rule, also for waiting events; None: events of one capture."""
         lib.hive_matching_rule(self._handle, match_of(within))
 
 

@@ -1,4 +1,4 @@
-"""Whole swarms: read, checked, brought up, taken down and written for what is to run them."""
+"""Whole swarms: reads, checks, starts, stops and exports swarm files."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Progress = Callable[[int, int, str], Any]
 
 
 class Mistake(NamedTuple):
-    """A mistake in a swarm file, or what could not be checked in it, where an editor finds it."""
+    """A mistake in a swarm file, or a part that could not be checked, with its position."""
 
     line: int  #: from 1
     column: int  #: from 1, in characters
@@ -45,9 +45,10 @@ class SwarmFileError(Error):
 
 
 class SwarmError(Error):
-    """A swarm that could not be brought up, so that nothing of it was changed, or not be taken down.
+    """A swarm that could not be brought up, and was not changed, or could not be taken down.
 
-    ``failures`` has for each drone that failed its :class:`Error`, ``remains`` those of what could not be undone.
+    ``failures`` has the :class:`Error` of each failed drone, ``remains`` those of changes that could not be rolled
+    back.
     """
 
     def __init__(
@@ -66,14 +67,14 @@ for _kind in (SwarmFileError, SwarmError):
 
 
 class ExportedFile(NamedTuple):
-    """A file for what is to run a swarm; see :meth:`Swarm.export`."""
+    """A file for a service manager; see :meth:`Swarm.export`."""
 
     name: str  #: of several machines in a folder for each: "cam1/hive-doorway.target"
     text: str
     program: bool  #: to be made executable
 
     def write(self, folder: Union[str, os.PathLike[str]]) -> str:
-        """Writes it into a folder, which is made if it is not there.  Gives its path."""
+        """Writes it into a folder, which is created if missing.  Returns its path."""
         path = os.path.join(folder, self.name)
         os.makedirs(os.path.dirname(path), exist_ok=True)
         with open(path, "w", encoding="utf-8") as file:
@@ -84,15 +85,15 @@ class ExportedFile(NamedTuple):
 
 
 class Swarm(Owner):
-    """The drones of a swarm file, what they are set to, and how they are connected (libhive/docs/swarm-file.md).
+    """The drones, parameters and connections of a swarm file (libhive/docs/swarm-file.md).
 
-    Programs of drones are found in $HIVE_DRONE_PATH and $PATH.  A call that needs the file to be right raises
-    :class:`SwarmFileError` when it is not.
+    Drone programs are found in $HIVE_DRONE_PATH and $PATH.  Calls that need a valid file raise :class:`SwarmFileError`
+    otherwise.
 
-    :param source: a path, a dict as the file has it, or its text, which begins with "{" or has several lines
-    :param application: by which it is brought up; None: one of its own, as ``hive.Application()`` makes it
+    :param source: a path, a dict with the content of the file, or its text, which starts with "{" or has several lines
+    :param application: the application to use; None: a new ``hive.Application()``
     :param variables: values for variables of the file
-    :param form_only: programs are not asked what they take and produce, so what the file says of that is not checked
+    :param form_only: do not query programs for their ports and parameters, which are then not checked
     :raises OSError: the file cannot be read
     """
 
@@ -130,7 +131,7 @@ class Swarm(Owner):
         return f"<hive.Swarm {self.name}>"
 
     def close(self) -> None:
-        """Ends :meth:`stay` of other threads; the drones go on.  Once more: nothing."""
+        """Ends :meth:`stay` of other threads; the drones keep running.  Idempotent."""
         if self._handle:
             lib.hive_swarm_close(self._handle)
         if self._own:
@@ -138,7 +139,7 @@ class Swarm(Owner):
 
     @property
     def name(self) -> str:
-        """What the file calls it; "" when it cannot be read."""
+        """Its name in the file; "" if it cannot be read."""
         try:
             options = as_json({**self._options, "form_only": True})
             return str(ask(lib.hive_swarm_check, encoded(self.text), options)["swarm"])
@@ -146,9 +147,9 @@ class Swarm(Owner):
             return ""
 
     def check(self, timeout: Seconds = 10.0) -> list[Mistake]:
-        """Every mistake that can be found without starting anything; none: it is good.
+        """Checks the file without starting anything; no mistakes: it is valid.
 
-        :param timeout: for the programs on this machine to say what they take and produce
+        :param timeout: for the programs on this machine to describe their ports and parameters
         """
         options = as_json({**self._options, "timeout_ms": milliseconds(timeout)})
         told = ask(lib.hive_swarm_check, encoded(self.text), options)
@@ -157,44 +158,45 @@ class Swarm(Owner):
 
     def differences(self) -> list[dict[str, Any]]:
         """What :meth:`up` would do now: "step" ("start", "restart", "change", "set", "connect", "disconnect" or
-        "stop"), "drone" and "what", which says it in words; of a restart, a change and a set also "values" and
-        "before", of connections "sender", "receiver", "options".
+        "stop"), "drone" and "what", a text; of a restart, a change and a set also "values" and "before", of connections
+        "sender", "receiver", "options".
 
-        :raises hive.Error: "name_taken" when a name belongs to another kind of drone, or to one on another machine,
-            that this swarm did not have before
+        :raises hive.Error: "name_taken" if a name belongs to another kind of drone, or to one on another machine, that
+            this swarm did not have before
         """
         steps: list[dict[str, Any]] = ask(lib.hive_swarm_differences, self._opened())
         return steps
 
     def up(self, timeout: Seconds = 60.0, progress: Optional[Progress] = None) -> list[dict[str, Any]]:
-        """Starts what does not run and restarts drones that only a new process can have as the file says, waits until
-        they answer, then changes, sets, connects, disconnects and stops what differs: everything or nothing.  Gives what was done, as :meth:`differences`; again, it finds nothing to do.
+        """Starts missing drones, restarts those that only a new process can change, waits until they answer, then
+        changes, sets, connects, disconnects and stops what differs: all or nothing.  Returns what was done, in the form
+        of :meth:`differences`; a second call does nothing.
 
-        Ctrl-C undoes what was begun before it is raised, and so does an exception of ``progress``.
+        Ctrl-C, or an exception of ``progress``, is raised after all changes are rolled back.
 
         :param timeout: for all drones to be ready
-        :param progress: ``progress(done, all, what)`` hears how far it is; it must not call this application
-        :raises SwarmError: nothing was changed, because of its ``failures``
+        :param progress: ``progress(done, all, what)`` is called with the progress; it must not call this application
+        :raises SwarmError: nothing was changed; see its ``failures``
         """
         steps: list[dict[str, Any]] = self._work(lib.hive_swarm_up, timeout, progress)
         return steps
 
     def down(self, timeout: Seconds = 10.0, progress: Optional[Progress] = None) -> list[str]:
-        """Ends all drones: sources take nothing more, and each drone ends when it has handed on what it had.  Gives the
-        names of those that ended.  With Ctrl-C they end at once.
+        """Stops all drones: sources first, then each drone once its events are delivered.  Returns their names.  After
+        Ctrl-C they stop at once.
 
-        :param timeout: for events on their way; then they are lost
-        :raises SwarmError: some could not be ended
+        :param timeout: for events in flight; then they are lost
+        :raises SwarmError: some could not be stopped
         """
         return [step["drone"] for step in self._work(lib.hive_swarm_down, timeout, progress)]
 
     def stay(self, told: Optional[Callable[[str], Any]] = None) -> None:
-        """Starts drones again that fell and whose "restart" says so, at most 5 times within 60 s each, until Ctrl-C or
-        :meth:`close`; the swarm goes on then.  What was taken down stays down until it is brought up again.  As long
-        as it stays, other calls of its application wait.
+        """Restarts crashed drones with "restart", at most 5 times within 60 s each, until Ctrl-C or :meth:`close`; the
+        swarm keeps running then.  Stopped drones stay down until the next up.  Meanwhile other calls of its application
+        wait.
 
-        :param told: hears what happened, as a sentence; None: ``logging`` does, as "hive.NAME"
-        :raises hive.Error: "stopped" when it was closed
+        :param told: is called with a sentence for each change; None: ``logging`` gets it, as "hive.NAME"
+        :raises hive.Error: "stopped" after close()
         """
         tell = told or _logger(self.name)
         left: list[BaseException] = []
@@ -212,8 +214,8 @@ class Swarm(Owner):
             _library.forget_raised()
 
     def export(self, form: str, *, programs: str = "", image: str = "") -> list[ExportedFile]:
-        """Writes it for what is to run it, so that the command line of each drone alone is enough for it to come back
-        with its parameters and its connections.  The first file says how they are used.
+        """Writes it for a service manager; each drone's command line alone restores its parameters and connections.
+        The first file says how to use them.
 
         :param form: "systemd", "compose", "kubernetes", "slurm" or "shell"
         :param programs: the folder of the drones' programs; "": "/usr/bin"
