@@ -61,8 +61,7 @@ std::string examples(std::string_view text)
 
 std::string overview(const std::vector<Verb>& all)
 {
-    std::string text =
-        "hivectl VERB ...: runs drones, wires them into a swarm, sets their parameters, collects results.\n";
+    std::string text = "hivectl VERB ...: run drones, connect them into a swarm, set parameters, collect results.\n";
     std::string_view group;
     for (const auto& verb : all) {
         if (verb.group.empty())
@@ -78,14 +77,14 @@ std::string overview(const std::vector<Verb>& all)
            + "\nfirst steps:\n"
              "  hivectl start camera           run a drone\n"
              "  hivectl start face\n"
-             "  hivectl connect camera face    camera sends its pictures to face\n"
+             "  hivectl connect camera face    camera sends its images to face\n"
              "  hivectl results face -n 5      the next five results\n"
              "  hivectl set face scale=1.05    change a parameter while it runs\n"
              "  hivectl stop --all\n"
              "\nEvery verb has --help, --json and --timeout SECONDS. NAME may be a glob: 'face-*'.\n"
              "A time may have a unit: 500ms, 2s, 5min; so may a size: 200MB, 2GB.\n"
-             "Drones meet in $HIVE_HOME, or else in $XDG_RUNTIME_DIR/hive, or in /tmp/hive-UID\n"
-             "if that is not set; each writes NAME.log there.\n"
+             "The runtime directory is $HIVE_HOME, or else $XDG_RUNTIME_DIR/hive, or else\n"
+             "/tmp/hive-UID; each drone writes NAME.log there.\n"
              "exit codes: 0 done, 1 failure, 2 usage, 3 no such drone, port or parameter,\n"
              "4 unreachable, 5 refused, 6 types do not fit, 7 halted, 8 partly done,\n"
              "9 a fault was found (audit, explain), 124 timed out, 130 interrupted (143 by SIGTERM)\n";

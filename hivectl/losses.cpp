@@ -19,12 +19,12 @@ struct Reasoned {
 };
 
 constexpr std::array reasons{
-    Reasoned{Fate::skipped, "skipped by the sender: hivectl had not asked for them in time"},
+    Reasoned{Fate::skipped, "skipped by the sender: hivectl had not requested them in time"},
     Reasoned{Fate::dropped, "dropped by the sender: its queue for hivectl was full"},
     Reasoned{Fate::abandoned, "given up by the sender"},
     Reasoned{Fate::lost_connection, "lost when the connection broke"},
-    Reasoned{Fate::lost_killed, "lost when hivectl was taken for dead"},
-    Reasoned{Fate::lost_cut_off, "lost when hivectl had fallen silent and was cut off"},
+    Reasoned{Fate::lost_killed, "lost: hivectl was presumed dead"},
+    Reasoned{Fate::lost_cut_off, "lost when hivectl was silent and was disconnected"},
     Reasoned{Fate::lost_left, "lost when hivectl left"},
 };
 

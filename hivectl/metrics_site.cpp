@@ -38,7 +38,7 @@ std::optional<Answer> MetricsSite::answer(const hive::http::Request& request, hi
     if (request.path == "/")
         return sentence(200, "The metrics of this swarm are at /metrics.");
     if (request.path != "/metrics")
-        return sentence(404, "There is nothing here.");
+        return sentence(404, "Not found.");
     const auto form = hive::metrics_form(request.accept);
     return Answer{.type = std::string(hive::media_type(form)), .body = hive::to_text(newest(visit.now), form)};
 }

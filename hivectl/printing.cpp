@@ -18,7 +18,7 @@ int exit_code_at_end(const std::string& verb, const std::string& text)
 {
     if (text.empty())
         return exit_code::done;
-    complain(verb, "not everything came: " + printable(text));
+    complain(verb, "incomplete: " + printable(text));
     return exit_code::partly_done;
 }
 
@@ -41,7 +41,7 @@ int print_lines(const PrintUntil& until,
         } else if (const auto end = until.ended ? until.ended() : std::nullopt) {
             return exit_code_at_end(until.verb, *end);
         } else if (until.patience && Clock::now() - last >= *until.patience) {
-            complain(until.verb, "nothing came for " + duration_text(*until.patience / 1us)
+            complain(until.verb, "no event for " + duration_text(*until.patience / 1us)
                                      + (until.reason ? "; " + until.reason() : ""));
             return exit_code::timed_out;
         } else if (until.silence && Clock::now() - last >= silence && !std::exchange(told, true)) {

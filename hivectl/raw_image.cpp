@@ -37,7 +37,7 @@ hive::Body png_of(const hive::Json& header, const hive::Body& pixels)
     const auto row = width * format.channels;
     const auto stride = fields.integer_or("stride", row, 1 << 30, row);
     if (static_cast<std::int64_t>(pixels.size()) != stride * height)
-        throw hive::Error(hive::Errc::malformed, "the body of image/raw has not the size that its header says");
+        throw hive::Error(hive::Errc::malformed, "the body of image/raw does not have the size in its header");
     png_image image{};
     image.version = PNG_IMAGE_VERSION;
     image.width = static_cast<png_uint_32>(width);

@@ -52,14 +52,13 @@ ResultFormat::ResultFormat(std::string form, const std::string& folder, const st
     : form_(std::move(form)), folder_(folder)
 {
     if (!fields.empty() && form_ != "csv")
-        throw hive::Error(hive::Errc::invalid_argument, "--fields goes with --as csv", "json has all fields");
+        throw hive::Error(hive::Errc::invalid_argument, "--fields needs --as csv", "json has all fields");
     if (!fields.empty())
         table_.emplace(fields);
     if (in_a_folder(form_) && folder.empty())
         throw hive::Error(hive::Errc::invalid_argument, "--as " + form_ + " writes files: name a folder, -o FOLDER");
     if (!in_a_folder(form_) && !folder.empty())
-        throw hive::Error(hive::Errc::invalid_argument,
-                          "-o goes with --as coco and --as yolo; the other forms are printed");
+        throw hive::Error(hive::Errc::invalid_argument, "-o needs --as coco or --as yolo; other forms are printed");
     std::error_code missing;
     if (!folder.empty() && fs::exists(folder_, missing) && !fs::is_empty(folder_, missing))
         throw hive::Error(hive::Errc::refused, folder + " exists and is not an empty folder", "name another folder");

@@ -21,7 +21,7 @@ std::string reason_for_silence(hive::Application& application, const std::vector
 void report_silence(const std::string& verb, hive::Application& application, const std::vector<hive::Endpoint>& outputs)
 {
     if (const auto text = to_text(explain_silence(application, outputs)); !text.empty())
-        complain(verb, "nothing comes: " + text);
+        complain(verb, "no events: " + text);
 }
 
 }  // namespace hivectl

@@ -27,7 +27,7 @@ int complain_about(std::string_view verb, const hive::SwarmOutcome& outcome)
 {
     for (const auto& [drone, error] : outcome.failures)
         complain_about(verb, error, drone);
-    const std::string remains = outcome.failures.empty() ? "could not be ended: " : "not undone: ";
+    const std::string remains = outcome.failures.empty() ? "cannot stop: " : "not undone: ";
     for (const auto& [drone, error] : outcome.remains)
         complain_about(verb, error.reworded(remains + error.what()), drone);
     if (interrupt::requested())

@@ -33,7 +33,7 @@ std::vector<hive::Endpoint> matching(hive::Application& application, const std::
     if (found.empty() && dot != std::string::npos)
         found = all_like(std::string_view(pattern).substr(0, dot), pattern.substr(dot + 1));
     if (found.empty())
-        throw hive::Error(hive::Errc::not_found, "no drone that runs fits " + hive::in_quotes(pattern),
+        throw hive::Error(hive::Errc::not_found, "no drone matches " + hive::in_quotes(pattern),
                           "see what runs: hivectl ps");
     return found;
 }

@@ -18,9 +18,9 @@ std::vector<Verb> verbs()
 Run declared(const Verb& verb, CommandLine& line, Session& session)
 {
     const Run run = verb.declare(line, session);
-    line.flag("--json", session.json, "print JSON instead of text; one object per line where it streams");
+    line.flag("--json", session.json, "print JSON instead of text; one object per line for streams");
     if (verb.table)
-        line.flag("--wide", session.wide, "print tables as wide as needed, not as the terminal");
+        line.flag("--wide", session.wide, "print tables as wide as needed, not cut to the terminal");
     line.option("--timeout", session.timeout_s, std::string(verb.timeout)).type_name("SECONDS").seconds();
     return run;
 }

@@ -40,20 +40,20 @@ void annotate_drone(hive::Drone& drone)
     int tolerance = 50;
     std::string uncertain = "dashed";
     drone.parameter("match", match, hive::one_of({"exact", "nearest"}),
-                    "exact: marks of the same picture; nearest: each set of marks on the one picture nearest in time");
+                    "exact: marks of the same image; nearest: each set of marks on the image nearest in time");
     drone.parameter("tolerance", tolerance, hive::between(0, 10'000).in("ms"),
-                    "with match=nearest: how far the captures may be apart");
+                    "with match=nearest: maximum time difference");
     drone.parameter("thickness", drawing.thickness, hive::between(0, 20).in("px"),
                     "width of the lines; 0: by the size of the image");
-    drone.parameter("labels", drawing.labels, hive::anything(), "write labels beside the marks");
+    drone.parameter("labels", drawing.labels, hive::anything(), "write labels next to the marks");
     drone.parameter("uncertain", uncertain, hive::one_of({"dashed", "hidden", "solid"}),
-                    "how tracks are drawn that are not confirmed or not seen now");
-    const hive::Output annotated = drone.output("annotated", hive::vision::image_types,
-                                                "the picture with its marks drawn onto it", hive::vision::encoder());
+                    "how to draw tracks that are unconfirmed or currently not seen");
+    const hive::Output annotated =
+        drone.output("annotated", hive::vision::image_types, "the image with its marks", hive::vision::encoder());
     hive::vision::LoanAllocator loans([&](std::size_t bytes) { return annotated.loan(bytes); });
     const auto matching =
-        drone.on_matched({{"image", hive::vision::image_types, "pictures to draw onto", check_picture},
-                          {"marks", "application/json", "what was found in them, in the header"}},
+        drone.on_matched({{"image", hive::vision::image_types, "images to draw on", check_picture},
+                          {"marks", "application/json", "results to draw, in the header"}},
                          hive::Match::exact(), [&](const std::vector<hive::Event>& set) {
                              const hive::Event& image = set[0];
                              const auto form = hive::vision::plain_form(
@@ -80,6 +80,5 @@ void annotate_drone(hive::Drone& drone)
 
 int main(int argc, char** argv)
 {
-    return hive::run_drone(argc, argv, {"annotate", "Draws what other drones found into the pictures."},
-                           annotate_drone);
+    return hive::run_drone(argc, argv, {"annotate", "Draws the results of other drones onto images."}, annotate_drone);
 }

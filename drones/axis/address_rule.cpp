@@ -43,7 +43,7 @@ std::string parsed(const std::string& text)
         return bytes.substr(0, sizeof(in_addr));
     if (::inet_pton(AF_INET6, text.c_str(), bytes.data()) == 1)
         return plain(bytes);
-    throw std::invalid_argument("allow_address: " + text + " is no address");
+    throw std::invalid_argument("allow_address: bad address " + text);
 }
 
 bool special(const std::string& bytes)

@@ -25,7 +25,7 @@ constexpr auto most_set_time = 4s;
 Size measure(const std::string& jpeg)
 {
     if (!jpeg.starts_with("\xFF\xD8") || !jpeg.ends_with("\xFF\xD9"))
-        throw std::runtime_error(jpeg.starts_with("\xFF\xD8") ? "it is cut short" : "it is no JPEG");
+        throw std::runtime_error(jpeg.starts_with("\xFF\xD8") ? "it is cut short" : "not a JPEG");
     const hive::Body view(std::as_bytes(std::span(jpeg)), nullptr);
     const cv::Size size = hive::vision::size_of(view, "image/jpeg");
     return {size.width, size.height};
@@ -62,8 +62,8 @@ Parameters changes(const Parameters& before, const Parameters& now)
 
 AxisDrone::AxisDrone(hive::Drone& drone)
     : drone_(drone),
-      image_(drone.output("image", hive::vision::image_types, "the camera's pictures, as it made them",
-                          hive::vision::encoder()))
+      image_(
+          drone.output("image", hive::vision::image_types, "the camera's images, unchanged", hive::vision::encoder()))
 {
     declare();
     drone_.on_start([] { cv::setNumThreads(1); });  // one drone, one core
@@ -77,24 +77,24 @@ void AxisDrone::declare()
     drone_.parameter("url", place_.url, hive::anything().by_operator(),
                      "http:// or https:// and the host of the camera; empty: no camera");
     drone_.parameter("credentials", place_.credentials, hive::anything().by_operator(),
-                     "file with user:password and in the next line the url, chmod 600; empty: HIVE_AXIS_USER and "
+                     "file with user:password, and the url in the next line, chmod 600; empty: HIVE_AXIS_USER and "
                      "HIVE_AXIS_PASSWORD");
     drone_.parameter("pace", place_.pace, hive::one_of({"live", "demand"}),
-                     "live: the camera's stream; demand: one picture each time all receivers have asked");
+                     "live: the camera's stream; demand: one image each time all receivers have asked");
     drone_.parameter("resolution", resolution_, hive::anything(),
-                     "for example 640x480; empty: leave the camera's setting");
+                     "for example 640x480; empty: keep the camera's setting");
     drone_.parameter("compression", compression_, hive::between(-1, 100),
-                     "a higher one makes smaller pictures; -1: leave the camera's setting");
+                     "higher: smaller images; -1: keep the camera's setting");
     drone_.parameter("fps", fps_, hive::between(-1, 100).in("fps"),
-                     "frame rate of the stream; 0: as fast as the camera can; -1: leave the camera's setting");
+                     "frame rate of the stream; 0: the camera's maximum; -1: keep the camera's setting");
     drone_.parameter("exposure", exposure_, hive::anything(),
-                     "auto, hold, flickerfree50, flickerfree60 ...; empty: leave the camera's setting");
-    drone_.parameter("brightness", brightness_, hive::between(-1, 100), "-1: leave the camera's setting");
-    drone_.parameter("colour", colour_, hive::between(-1, 100), "0 is grey; -1: leave the camera's setting");
+                     "auto, hold, flickerfree50, flickerfree60 ...; empty: keep the camera's setting");
+    drone_.parameter("brightness", brightness_, hive::between(-1, 100), "-1: keep the camera's setting");
+    drone_.parameter("colour", colour_, hive::between(-1, 100), "0 is grey; -1: keep the camera's setting");
     drone_.parameter("basic_over_http", place_.basic_over_http, hive::anything().by_operator(),
                      "send the password unencrypted if the camera does not support digest authentication");
     drone_.parameter("certificate", place_.certificate, hive::anything().by_operator(),
-                     "file of the certificate to trust for https, and no other; empty: those of the system");
+                     "the only certificate to trust for https (a file); empty: the system's");
     drone_.parameter("allow_address", place_.allow_address, hive::anything().by_operator(),
                      "loopback, link-local or multicast addresses that the drone may connect to, separated by commas");
 }

@@ -18,7 +18,7 @@ const std::string& value_or_empty(const Parameters& values, const std::string& n
 [[noreturn]] void not_a_picture(const std::string& type)
 {
     throw CameraError(Trouble::not_a_picture,
-                      "not a picture: the camera sends " + (type.empty() ? "something without a type" : masked(type)));
+                      "not an image: the camera sends " + (type.empty() ? "data without a type" : masked(type)));
 }
 
 bool is_jpeg(const std::string& type) { return type.starts_with("image/jpeg") || type.starts_with("image/jpg"); }

@@ -165,9 +165,9 @@ void CameraLink::Work::accept(std::string bytes)
         picture.size = measure_(bytes);
     } catch (const std::exception& problem) {
         const std::lock_guard lock(mutex_);
-        lifeline_.broken(std::string("no whole picture: ") + problem.what());
+        lifeline_.broken(std::string("no complete image: ") + problem.what());
         if (settings_.pace == Pace::demand)
-            throw CameraError(Trouble::not_a_picture, std::string("no whole picture: ") + problem.what());
+            throw CameraError(Trouble::not_a_picture, std::string("no complete image: ") + problem.what());
         return;
     }
     picture.jpeg = std::make_shared<const std::string>(std::move(bytes));
@@ -186,10 +186,10 @@ void CameraLink::Work::check()
 {
     notice_news();
     if (Clock::now() - last_picture_ > give_up_without_picture && settings_.pace == Pace::live)
-        throw CameraError(Trouble::silent, "bytes, but no picture");
+        throw CameraError(Trouble::silent, "data, but no image");
     const std::lock_guard lock(mutex_);
     if (stopping_)
-        throw CameraError(Trouble::cancelled, "not wanted any more");
+        throw CameraError(Trouble::cancelled, "cancelled");
     if (std::exchange(restart_, false))
         throw Restart();
 }

@@ -45,11 +45,11 @@ CameraUrl parse_camera_url(const std::string& text)
     std::string_view rest = std::string_view(text).substr(colon + 3);
     if (rest.find('@') != std::string_view::npos)
         refuse(
-            "a user name or password does not belong here, where everybody can read it: see the parameter credentials");
+            "user names and passwords are not allowed here, where anyone can read them: use the parameter credentials");
     if (rest.ends_with('/'))
         rest.remove_suffix(1);
     if (rest.find_first_of("/?#") != std::string_view::npos)
-        refuse("only the host is wanted, no path: the drone knows where an Axis camera has its pictures");
+        refuse("give only the host, no path: the drone knows the paths of an Axis camera");
     const std::size_t end = rest.starts_with('[') ? rest.find(']') : 0;
     const std::size_t port = end == std::string_view::npos ? end : rest.find(':', end);
     if (port != std::string_view::npos)

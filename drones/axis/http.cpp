@@ -242,7 +242,7 @@ void Http::Transfer::check_time() const
                                                + ": the camera or the network is slow; try again");
     if (connected_ && now - last_byte_ > patience_.silence)
         throw CameraError(Trouble::silent,
-                          "no answer from " + access_.url.text() + ": it takes connections and then says nothing for "
+                          "no answer from " + access_.url.text() + ": it accepts connections but sends nothing for "
                               + seconds(patience_.silence) + "; check that it is the camera, or restart the camera");
 }
 
@@ -258,7 +258,7 @@ void Http::Transfer::finish(CURLcode code)
 {
     if (!blocked_.empty())
         throw CameraError(Trouble::not_allowed,
-                          "the address " + blocked_ + " is not allowed; if it is meant, set allow_address=" + blocked_);
+                          "the address " + blocked_ + " is not allowed; to allow it, set allow_address=" + blocked_);
     long problem = 0;
     curl_easy_getinfo(easy_, CURLINFO_OS_ERRNO, &problem);
     if (code != CURLE_OK)

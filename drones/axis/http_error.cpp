@@ -25,7 +25,7 @@ CameraError error_of_login(const Access& access, const Head& head)
         return {Trouble::login_needed, "the camera asks for a login; set credentials"};
     if (!offers_digest(head) && !access.url.encrypted() && !access.basic_over_http)
         return {Trouble::login_needed,
-                "the camera takes only a readable password (basic) over http; use https, or set basic_over_http=on"};
+                "the camera offers only basic authentication over http; use https, or set basic_over_http=on"};
     return {Trouble::login_refused, "the camera refuses the password of " + masked(access.credentials->user)};
 }
 
@@ -40,8 +40,7 @@ CameraError error_of_status(const Access& access, const Head& head)
         return {Trouble::redirected,
                 host + " points to " + masked(head.location) + " (" + status + "), which is not followed"};
     if (head.status == 404)
-        return {Trouble::not_vapix,
-                "not a VAPIX device: " + host + " does not know what every Axis camera knows (404)"};
+        return {Trouble::not_vapix, "not a VAPIX device: " + host + " lacks what every Axis camera has (404)"};
     return {Trouble::refused_status, host + " answers with status " + status};
 }
 
@@ -64,7 +63,7 @@ CameraError error_of_transfer(const Access& access, const Patience& patience, in
                                        + (access.certificate.empty() ? "the system" : access.certificate)
                                        + " cannot be read"};
     case CURLE_UNSUPPORTED_PROTOCOL:
-    case CURLE_WEIRD_SERVER_REPLY: return {Trouble::not_vapix, "not a VAPIX device: " + host + " does not speak HTTP"};
+    case CURLE_WEIRD_SERVER_REPLY: return {Trouble::not_vapix, "not a VAPIX device: " + host + " does not use HTTP"};
     case CURLE_OUT_OF_MEMORY: return {Trouble::too_large, "the head of the answer is too large"};  // one endless line
     default: return {Trouble::closed, host + " closed the connection: " + reason};
     }

@@ -59,7 +59,7 @@ std::string Lifeline::told(const CameraError& error) const
     case Trouble::login_refused:
         return locked_out()
                    ? "auth_failed: " + text
-                         + "; to try it again, touch the file of credentials or set credentials again, also to the same"
+                         + "; to retry, touch the credentials file or set credentials again, even to the same path"
                    : text + " (try " + std::to_string(logins_) + " of " + std::to_string(most_logins) + ")";
     default: return text;
     }

@@ -3,6 +3,6 @@
 
 int main(int argc, char** argv)
 {
-    return hive::run_drone(argc, argv, {"axis", "Publishes pictures from an Axis network camera."},
+    return hive::run_drone(argc, argv, {"axis", "Publishes images from an Axis network camera."},
                            [](hive::Drone& drone) { axis::AxisDrone(drone).run(); });
 }

@@ -100,7 +100,7 @@ bool MultipartReader::seek()
     drop(useless);
     skipped_ += useless;
     if (skipped_ > most_part)
-        throw CameraError(Trouble::not_a_picture, "not a picture: no boundary in 16 MiB of the stream");
+        throw CameraError(Trouble::not_a_picture, "not an image: no boundary in 16 MiB of the stream");
     return false;
 }
 
@@ -142,7 +142,7 @@ void MultipartReader::begin_body()
 {
     const std::size_t length = number(head_["content-length"]).value_or(0);
     if (length > most_part)
-        throw CameraError(Trouble::too_large, "a picture of more than 16 MiB is announced");
+        throw CameraError(Trouble::too_large, "an image of more than 16 MiB is announced");
     phase_ = length > 0 ? Phase::counted : Phase::open;
     length_ = length;
     seen_ = 0;
@@ -161,7 +161,7 @@ bool MultipartReader::read_open()
 {
     const std::size_t at = buffer_.find(boundary_, seen_);
     if (std::min(at, buffer_.size()) > most_part)
-        throw CameraError(Trouble::too_large, "a picture of more than 16 MiB");
+        throw CameraError(Trouble::too_large, "an image of more than 16 MiB");
     if (at == std::string::npos) {
         seen_ = buffer_.size() - std::min(buffer_.size(), boundary_.size() - 1);
         return false;

@@ -55,24 +55,22 @@ void background_drone(hive::Drone& drone)
     drone.parameter("method", finder.model.method, hive::one_of({"mog2", "knn"}),
                     "mixture of gaussians or nearest neighbours, for each pixel");
     drone.parameter("history", finder.model.history, hive::between(1, 10000),
-                    "number of pictures that the model remembers");
+                    "number of images in the model's history");
     drone.parameter("threshold", finder.model.threshold, hive::between(0, 65025),
-                    "squared distance that makes foreground; 0: 16 (mog2), 400 (knn)");
+                    "squared distance threshold; 0: 16 (mog2), 400 (knn)");
     drone.parameter("shadows", finder.model.shadows, hive::anything(), "mark shadows with 127 in the mask");
     drone.parameter("open", finder.open, hive::between(0, 100).in("px"), "radius: thinner specks are erased; 0: none");
     drone.parameter("close", finder.close, hive::between(0, 100).in("px"), "radius: narrower gaps are filled; 0: none");
-    drone.parameter("min_area", finder.min_area, hive::between(1, 65536).in("px"),
-                    "smallest area of foreground that makes a box");
+    drone.parameter("min_area", finder.min_area, hive::between(1, 65536).in("px"), "minimum foreground area of a box");
     drone.parameter("light", finder.light, hive::between(1, 100).in("%"),
-                    "if more than this share of the picture is foreground, it may be a change of the light, and the "
-                    "model is adapted to that; 100: never");
+                    "if more than this share of the image is foreground, adapt the model to a possible change of "
+                    "light; 100: never");
     const hive::Output boxes =
         drone.output("boxes", "application/json", "the boxes of the foreground, in the header; no body");
     const hive::Output mask =
-        drone.output("mask", hive::vision::image_types, "255 where there is foreground", hive::vision::encoder());
-    const hive::Output foreground =
-        drone.output("foreground", hive::vision::image_types, "the picture, black where there is background",
-                     hive::vision::encoder());
+        drone.output("mask", hive::vision::image_types, "255 in the foreground", hive::vision::encoder());
+    const hive::Output foreground = drone.output("foreground", hive::vision::image_types,
+                                                 "the image, with a black background", hive::vision::encoder());
     hive::vision::LoanAllocator loans([&](std::size_t bytes) { return foreground.loan(bytes); });
     drone.on_start([] { cv::setNumThreads(1); });  // one drone, one core
     drone.on_event(
@@ -101,7 +99,7 @@ void background_drone(hive::Drone& drone)
                 canvas.setTo(0, found.mask != ForegroundFinder::foreground);
             });
         },
-        "pictures of a camera that stands still");
+        "images from a fixed camera");
     drone.run();
 }
 
@@ -109,6 +107,6 @@ void background_drone(hive::Drone& drone)
 
 int main(int argc, char** argv)
 {
-    return hive::run_drone(argc, argv, {"background", "Separates what moves from a background that it learns.", true},
+    return hive::run_drone(argc, argv, {"background", "Separates moving objects from a learned background.", true},
                            background_drone);
 }

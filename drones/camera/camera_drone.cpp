@@ -83,36 +83,35 @@ CameraDrone::CameraDrone(hive::Drone& drone)
 
 void CameraDrone::declare()
 {
-    drone_.parameter(
-        "source", source_, hive::anything().by_operator(),
-        "scene, scene:brick|noise|plain, a picture, a folder of pictures, a video, /dev/videoN, http(s):// or rtsp://");
+    drone_.parameter("source", source_, hive::anything().by_operator(),
+                     "scene, scene:brick|noise|plain, an image file, a folder of images, a video, /dev/videoN, "
+                     "http(s):// or rtsp://");
     drone_.parameter("width", width_, hive::between(0, 8192).in("px"),
-                     "width to publish; 0: in proportion to height, or that of the source (scene and device: 640)");
+                     "output width; 0: from height and aspect ratio, or the source's (scene, device: 640)");
     drone_.parameter("height", height_, hive::between(0, 8192).in("px"),
-                     "height to publish; 0: in proportion to width, or that of the source (scene and device: 480)");
+                     "output height; 0: from width and aspect ratio, or the source's (scene, device: 480)");
     drone_.parameter("fps", fps_, hive::between(0, 1000).in("fps"),
-                     "frame rate with pace=live; 0: that of the source (scene and pictures: 30)");
-    drone_.parameter("loop", loop_, hive::anything(), "start files again at their end");
+                     "frame rate with pace=live; 0: the source's (scene and images: 30)");
+    drone_.parameter("loop", loop_, hive::anything(), "play files in a loop");
     drone_.parameter("pace", pace_, hive::one_of({"live", "demand"}),
-                     "live never waits; demand publishes the next picture when all receivers have asked");
-    drone_.parameter("credentials", credentials_, hive::anything().by_operator(),
-                     "of a network camera: file with user:password, chmod 600; empty: HIVE_CAMERA_USER and "
-                     "HIVE_CAMERA_PASSWORD");
+                     "live: never wait; demand: publish an image when all receivers have asked");
+    drone_.parameter(
+        "credentials", credentials_, hive::anything().by_operator(),
+        "network camera login: file with user:password, chmod 600; empty: HIVE_CAMERA_USER and HIVE_CAMERA_PASSWORD");
     drone_.parameter("transport", transport_, hive::one_of({"tcp", "udp"}),
-                     "of rtsp://: tcp loses nothing; udp does not wait for what is lost");
+                     "rtsp:// transport: tcp is reliable; udp skips lost packets");
     drone_.parameter("basic_over_http", basic_over_http_, hive::anything().by_operator(),
                      "send the password unencrypted if an http:// or rtsp:// camera does not support digest "
                      "authentication");
     drone_.parameter("certificate", certificate_, hive::anything().by_operator(),
-                     "of https://: file of the certificate to trust, and no other; empty: those of the system");
+                     "https://: the only certificate to trust (a file); empty: the system's");
     drone_.parameter("format", format_, hive::anything(),
-                     "asked of a device: MJPG, YUYV, ... (hivectl devices lists them); empty: as it likes");
+                     "device pixel format: MJPG, YUYV, ... (see hivectl devices); empty: driver default");
     drone_.parameter("faces", faces_, hive::between(0, 3), "number of faces in the scene");
-    drone_.parameter("walkers", walkers_, hive::between(0, 4), "number of people who walk through the scene");
-    drone_.parameter("hand", hand_, hive::anything(),
-                     "draw a hand that shows changing numbers of fingers in the scene");
-    drone_.parameter("noise", noise_, hive::between(0, 50), "noise of the scene: standard deviation in grey levels");
-    drone_.parameter("seed", seed_, hive::at_least(0), "seed of the scene: the same seed draws the same pictures");
+    drone_.parameter("walkers", walkers_, hive::between(0, 4), "number of people walking through the scene");
+    drone_.parameter("hand", hand_, hive::anything(), "draw a hand with a changing number of fingers");
+    drone_.parameter("noise", noise_, hive::between(0, 50), "scene noise: standard deviation in grey levels");
+    drone_.parameter("seed", seed_, hive::at_least(0), "scene seed: the same seed draws the same images");
 }
 
 CameraDrone::Wanted CameraDrone::wanted() const
@@ -158,12 +157,11 @@ void CameraDrone::open(const Wanted& wanted)
 {
     const SourceKind kind = source_kind(wanted.source.text);
     if (!is_format(wanted.source.format))
-        throw hive::Error(hive::Errc::refused, "no format is called " + wanted.source.format,
+        throw hive::Error(hive::Errc::refused, "unknown format " + wanted.source.format,
                           "it has at most four letters and digits: MJPG; see those of a camera: hivectl devices");
     capture::check_certificate(wanted.source.certificate);
     if (wanted.pace == "demand" && is_live(kind))
-        throw hive::Error(hive::Errc::refused,
-                          "pace=demand is for files and the scene: a camera does not wait to be asked");
+        throw hive::Error(hive::Errc::refused, "pace=demand works only with files and the scene, not with cameras");
     auto source = is_live(kind) ? nullptr : open_source(wanted.source, memory_.get());
     on_demand_.reset();
     capture_.reset();

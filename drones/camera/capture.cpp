@@ -200,8 +200,7 @@ private:
             return camera;
         } catch (const LoginRefused& problem) {
             const bool again = ++logins_refused_ < most_refused_logins;
-            give_up(problem.what() + std::string(again ? "" : "; it is not tried again before something is set"),
-                    !again);
+            give_up(problem.what() + std::string(again ? "" : "; set any parameter to retry"), !again);
             return again;
         } catch (const std::exception& problem) {
             say(problem.what());

@@ -120,7 +120,7 @@ std::unique_ptr<Source> open_device(const std::string& path, const DeviceForm& a
     return std::make_unique<DeviceSource>(std::move(capture), memory, got,
                                           fits(asked, got) ? ""
                                                            : path + ": asked for " + to_text(asked) + ", it gives "
-                                                                 + to_text(got) + "; see what it can: hivectl devices");
+                                                                 + to_text(got) + "; see its modes: hivectl devices");
 }
 
 }  // namespace camera

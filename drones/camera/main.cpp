@@ -4,6 +4,6 @@
 int main(int argc, char** argv)
 {
     return hive::run_drone(argc, argv,
-                           {"camera", "Publishes pictures from a camera, from files, or of a synthetic scene."},
+                           {"camera", "Publishes images from a camera, from files, or of a synthetic scene."},
                            [](hive::Drone& drone) { camera::CameraDrone(drone).run(); });
 }

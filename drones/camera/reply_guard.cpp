@@ -93,7 +93,7 @@ void ReplyGuard::judge_head()
     if (status != unauthorized || !rules_.has_login)
         return;
     if (++challenges_ > rules_.max_challenges)
-        refuse("it asks for the login again and again");
+        refuse("it repeats its request for a login");
     if (offers_basic_ && !offers_digest_ && !rules_.basic_allowed)
         refuse("it accepts only an unencrypted password (basic authentication); use https, or set basic_over_http=on");
 }

@@ -50,7 +50,7 @@ Frame read_picture(const fs::path& path, cv::MatAllocator* memory)
     }
     decode(bytes, frame.image);
     if (frame.image.empty())
-        throw std::runtime_error(path.string() + " is not a picture, or damaged");
+        throw std::runtime_error(path.string() + " is not a readable image");
     return frame;
 }
 
@@ -114,7 +114,7 @@ std::string sentence_about(const fs::path& folder, const std::vector<fs::path>& 
     constexpr std::size_t most_named = 5;
     if (left_out.empty())
         return "";
-    std::string text = folder.string() + ": left out, because OpenCV reads no picture from it: ";
+    std::string text = folder.string() + ": skipped, because OpenCV cannot read them: ";
     for (std::size_t i = 0; i < std::min(left_out.size(), most_named); ++i)
         text += (i > 0 ? ", " : "") + left_out[i].filename().string();
     if (left_out.size() > most_named)

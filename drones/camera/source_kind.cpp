@@ -32,7 +32,7 @@ void refuse_credentials(const std::string& url)
     const std::string authority = url.substr(begin, url.find_first_of("/?#", begin) - begin);
     if (authority.find('@') != std::string::npos)
         throw std::runtime_error(
-            "a URL with a user name or password in it is refused: everybody who can read the parameters would see it");
+            "a URL must not contain a user name or password: anyone who can read the parameters would see it");
     if (authority.empty())
         throw std::runtime_error("the URL names no host");
 }

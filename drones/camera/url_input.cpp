@@ -89,7 +89,7 @@ void UrlInput::description(std::string_view text)
 void UrlInput::refused_pixels(std::int64_t width, std::int64_t height)
 {
     if (width * height > settings_.limits.pixels)
-        guard_.refuse("a picture of " + std::to_string(width) + "x" + std::to_string(height) + " pixels; at most "
+        guard_.refuse("an image of " + std::to_string(width) + "x" + std::to_string(height) + " pixels; at most "
                       + std::to_string(settings_.limits.pixels) + " are accepted");
 }
 
@@ -114,7 +114,7 @@ std::int64_t UrlInput::bytes_since_packet() const
 bool UrlInput::interrupted()
 {
     if (bytes_since_packet() > settings_.limits.bytes)
-        guard_.refuse("more than " + mebibytes(settings_.limits.bytes) + " without a picture");
+        guard_.refuse("more than " + mebibytes(settings_.limits.bytes) + " without an image");
     return Clock::now() >= deadline_ || !guard_.refusal().empty();
 }
 
@@ -138,7 +138,7 @@ bool UrlInput::read(AVPacket& packet)
             return false;
         require(code);
         if (packet.size > settings_.limits.bytes)
-            throw std::runtime_error(shown() + ": a picture of more than " + mebibytes(settings_.limits.bytes));
+            throw std::runtime_error(shown() + ": an image of more than " + mebibytes(settings_.limits.bytes));
         if (choose(packet))
             break;
     }
@@ -172,7 +172,7 @@ void UrlInput::require(int code) const
     if (refused && settings_.login)
         throw LoginRefused(shown() + ": the camera refuses this login");
     if (refused)
-        throw std::runtime_error(shown() + ": the camera wants a login; set credentials=FILE");
+        throw std::runtime_error(shown() + ": login required; set credentials=FILE");
     ffmpeg::checked(code, shown());
 }
 

@@ -14,13 +14,13 @@ public:
         : max_pixels_(settings.limits.pixels), input_(settings), pictures_(memory)
     {
         if (!feed())
-            throw std::runtime_error(input_.shown() + ": there is no video in it that can be decoded");
+            throw std::runtime_error(input_.shown() + ": it contains no decodable video");
     }
 
     std::optional<Frame> next() override
     {
         constexpr std::chrono::seconds for_a_picture{10};
-        input_.expect_until(UrlInput::Clock::now() + for_a_picture, "no picture for 10 s");
+        input_.expect_until(UrlInput::Clock::now() + for_a_picture, "no image for 10 s");
         while (avcodec_receive_frame(decoder_.get(), frame_.get()) < 0)
             if (!feed())
                 return std::nullopt;

@@ -67,7 +67,7 @@ void VideoInput::open()
     ffmpeg::checked(avformat_find_stream_info(input_.get(), nullptr), "FFmpeg");
     const int found = av_find_best_stream(input_.get(), AVMEDIA_TYPE_VIDEO, -1, -1, &codec, 0);
     if (found == AVERROR_STREAM_NOT_FOUND)
-        throw std::runtime_error("there is no video in it");
+        throw std::runtime_error("it contains no video");
     ffmpeg::checked(found, "FFmpeg");
     video_ = input_->streams[found];
     for (unsigned i = 0; i < input_->nb_streams; ++i)

@@ -23,7 +23,7 @@ void check_certificate(const std::string& path)
     if (text.find("-----BEGIN CERTIFICATE-----") == std::string::npos
         && text.find("-----BEGIN TRUSTED CERTIFICATE-----") == std::string::npos)
         throw std::runtime_error("certificate: " + path
-                                 + " has none (in PEM it begins with -----BEGIN CERTIFICATE-----)");
+                                 + " contains no certificate (PEM starts with -----BEGIN CERTIFICATE-----)");
 }
 
 }  // namespace capture

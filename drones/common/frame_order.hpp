@@ -32,8 +32,8 @@ public:
             last_ = Last{event.sender, event.identity.source, event.identity.epoch, event.identity.sequence,
                          event.received};
         if (late)
-            throw hive::Error(hive::Errc::refused, "picture " + std::to_string(event.identity.sequence) + " of "
-                                                       + before->source + " comes after picture "
+            throw hive::Error(hive::Errc::refused, "frame " + std::to_string(event.identity.sequence) + " of "
+                                                       + before->source + " comes after frame "
                                                        + std::to_string(before->sequence)
                                                        + ": tracks need one connection, in order");
         return same;

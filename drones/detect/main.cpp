@@ -109,18 +109,17 @@ private:
     void declare_people(hive::Drone& drone)
     {
         drone.parameter("hit_threshold", people_.hit_threshold, hive::between(-1, 4),
-                        "people: margin that a window needs; a higher one finds fewer");
+                        "people: minimum margin of a window; higher finds fewer");
         drone.parameter("enlarge", people_.enlarge, hive::between(1, 4),
-                        "people: enlarge the picture first, to find smaller ones");
+                        "people: enlarge the image first, to find smaller people");
         drone.parameter("scale", people_.scale, hive::between(1.01, 2), "people: step between image scales");
         drone.parameter("stride", people_.stride, hive::between(4, 32).in("px"),
                         "people: step between windows, a multiple of 4");
-        drone.parameter("padding", people_.padding, hive::between(0, 64).in("px"),
-                        "people: padding around the picture");
+        drone.parameter("padding", people_.padding, hive::between(0, 64).in("px"), "people: padding around the image");
         drone.parameter("grouping", people_.grouping, hive::between(0, 20),
                         "people: number of windows that must agree");
         drone.parameter("shrink", people_.shrink, hive::anything(),
-                        "people: cut the margin of the classifier's window off the boxes");
+                        "people: remove the margin of the classifier's window from the boxes");
     }
 
     void declare_network(hive::Drone& drone)
@@ -131,25 +130,24 @@ private:
             "engine", settings_.engine, hive::one_of({"auto", "opencv", "onnxruntime"}),
             "program that runs the model; auto: OpenCV, and ONNX Runtime for a model that OpenCV cannot run");
         drone.parameter("onnxruntime", settings_.onnxruntime, hive::anything().by_operator(),
-                        "file libonnxruntime.so; empty: where the dynamic linker finds it");
-        drone.parameter(
-            "classes", settings_.classes, hive::anything().by_operator(),
-            "file of the model's class names, one a line; empty: those in the model's file, or else numbers");
+                        "path of libonnxruntime.so; empty: found by the dynamic linker");
+        drone.parameter("classes", settings_.classes, hive::anything().by_operator(),
+                        "class name file, one per line; empty: the names in the model file, or numbers");
         drone.parameter("layout", layout_, one_of_the_layouts(),
-                        "how the model writes its objects; auto: as its outputs tell");
+                        "format of the model's output; auto: detected from its outputs");
         drone.parameter("input_width", settings_.input.width, hive::between(0, 4096).in("px"),
-                        "width of the model's input; 0: what its file says, or else 640");
+                        "width of the model's input; 0: as in its file, or else 640");
         drone.parameter("input_height", settings_.input.height, hive::between(0, 4096).in("px"),
-                        "height of the model's input; 0: what its file says, or else 640");
+                        "height of the model's input; 0: as in its file, or else 640");
         drone.parameter("fit", settings_.fit, hive::one_of({"auto", "letterbox", "stretch", "crop"}),
-                        "how a picture is fitted into the model's input; auto: crop for a classifier, else letterbox");
+                        "how to fit an image into the model's input; auto: crop for a classifier, else letterbox");
         drone.parameter("input_scale", settings_.scale, hive::between(0, 255),
                         "the model sees (pixel - mean) times this");
         drone.parameter("mean", mean_, hive::anything(), "one number, or three in the model's order of colours");
         drone.parameter("swap", settings_.swap, hive::anything(), "the model takes RGB instead of BGR");
-        drone.parameter("min_score", min_score_, hive::between(0, 1), "least score of the model's objects");
+        drone.parameter("min_score", min_score_, hive::between(0, 1), "minimum score of the model's objects");
         drone.parameter("overlap", overlap_, hive::between(0, 1),
-                        "model: a box that overlaps a better one of its class by more than this is left out");
+                        "model: drop a box that overlaps a better one of its class by more than this");
     }
 
     detect::PeopleFinder people_;
@@ -165,7 +163,7 @@ void detect_drone(hive::Drone& drone)
     detector.declare(drone);
     const hive::Output objects = drone.output("objects", "application/json", "the boxes, in the header; no body");
     const hive::Output annotated = drone.output("annotated", hive::vision::image_types,
-                                                "the picture with the objects framed", hive::vision::encoder());
+                                                "the image with boxes around the objects", hive::vision::encoder());
     hive::vision::LoanAllocator loans([&](std::size_t bytes) { return annotated.loan(bytes); });
     drone.on_start([&] {
         cv::setNumThreads(1);  // one drone, one core: to use more, start more drones
@@ -184,7 +182,7 @@ void detect_drone(hive::Drone& drone)
             hive::vision::emit_annotated(annotated, loans, std::move(header), picture,
                                          [&](cv::Mat& canvas) { detect::draw(canvas, found); });
         },
-        "pictures to look for objects in");
+        "images to search for objects");
     drone.run();
 }
 
@@ -192,6 +190,6 @@ void detect_drone(hive::Drone& drone)
 
 int main(int argc, char** argv)
 {
-    return hive::run_drone(
-        argc, argv, {"detect", "Finds people, or the objects that an ONNX model knows, in pictures."}, detect_drone);
+    return hive::run_drone(argc, argv, {"detect", "Finds people, or the classes of an ONNX model, in images."},
+                           detect_drone);
 }

@@ -116,7 +116,7 @@ std::vector<Candidate> candidates(const std::vector<cv::Mat>& outputs, const Pla
     std::erase_if(found, [&](const Candidate& one) { return !usable(one) || !(one.score >= min_score); });
     for (const Candidate& candidate : found)
         if (candidate.score > max_score)
-            throw std::runtime_error("the model gives a score of " + std::to_string(candidate.score)
+            throw std::runtime_error("the model returns a score of " + std::to_string(candidate.score)
                                      + ", above 1: its layout is not " + std::string(place.layout->name));
     return found;
 }

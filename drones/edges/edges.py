@@ -4,11 +4,11 @@ import cv2
 import hive
 
 drone = hive.Drone("edges", "Finds edges.")
-low = drone.parameter("low", 50, least=0, most=2000, help="weakest gradient that continues an edge")
-high = drone.parameter("high", 100, least=0, most=2000, help="weakest gradient that begins an edge")
+low = drone.parameter("low", 50, least=0, most=2000, help="minimum gradient to continue an edge")
+high = drone.parameter("high", 100, least=0, most=2000, help="minimum gradient to start an edge")
 edges = drone.output("edges", "image/raw", "the edges, white on black")
 
-@drone.on_event("image", "image/jpeg,image/png,image/raw", "pictures to look at; grey or colour")
+@drone.on_event("image", "image/jpeg,image/png,image/raw", "grey or colour images")
 def find(event):
     found = cv2.Canny(event.image(bits=8), low.value, high.value)
     edges.emit_image(found, share=round(cv2.countNonZero(found) / found.size, 4))

@@ -37,7 +37,7 @@ public:
     void declare(hive::Drone& drone)
     {
         drone.parameter("scale", cascades_.scale, hive::between(1.01, 2),
-                        "step between image scales; smaller finds more and takes longer");
+                        "image scale step; smaller finds more but takes longer");
         drone.parameter("min_neighbors", cascades_.min_neighbors, hive::between(0, 100),
                         "detections that must agree on a face");
         drone.parameter("min_size", cascades_.min_size, hive::between(1, 16384).in("px"), "side of the smallest face");
@@ -47,9 +47,9 @@ public:
         drone.parameter("cascade", cascade_, hive::anything().by_operator(), "file of the Haar or LBP cascade");
         drone.parameter("yunet", yunet_, hive::anything().by_operator(),
                         "ONNX file of YuNet; empty: the cascade finds faces");
-        drone.parameter("min_score", min_score_, hive::between(0, 1), "yunet: least score of a face");
+        drone.parameter("min_score", min_score_, hive::between(0, 1), "yunet: minimum face score");
         drone.parameter("overlap", overlap_, hive::between(0, 1),
-                        "yunet: a face that overlaps a better one by more than this is left out");
+                        "yunet: drop a face that overlaps a better one by more than this");
     }
 
     /// Loads the detector for the parameters; if that fails, throws the reason and keeps the old one.
@@ -103,7 +103,7 @@ void face_drone(hive::Drone& drone)
     detector.declare(drone);
     const hive::Output faces = drone.output("faces", "application/json", "the boxes, in the header; no body");
     const hive::Output annotated = drone.output("annotated", hive::vision::image_types,
-                                                "the picture with the faces framed", hive::vision::encoder());
+                                                "the image with boxes around the faces", hive::vision::encoder());
     hive::vision::LoanAllocator loans([&](std::size_t bytes) { return annotated.loan(bytes); });
     drone.on_start([&] {
         cv::setNumThreads(1);  // one drone, one core: to use more, start more drones
@@ -124,7 +124,7 @@ void face_drone(hive::Drone& drone)
                     FaceFinder::draw(canvas, {one.box});
             });
         },
-        "pictures to look for faces in");
+        "images to search for faces");
     drone.run();
 }
 
@@ -132,5 +132,5 @@ void face_drone(hive::Drone& drone)
 
 int main(int argc, char** argv)
 {
-    return hive::run_drone(argc, argv, {"face", "Finds frontal faces in pictures."}, face_drone);
+    return hive::run_drone(argc, argv, {"face", "Finds frontal faces in images."}, face_drone);
 }

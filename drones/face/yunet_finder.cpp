@@ -63,13 +63,13 @@ void YunetFinder::prepare(cv::Size size)
         net_.setInput(cv::dnn::blobFromImage(cv::Mat(size, CV_8UC3, cv::Scalar::all(0))));
         net_.forward(found, std::vector<cv::String>{outputs[0].first, outputs[1].first, outputs[2].first});
     } catch (const cv::Exception& error) {
-        throw std::runtime_error(
-            path_ + " is no YuNet as OpenCV 4.6 runs them (with outputs loc, conf and iou), or takes no "
-            + std::to_string(size.width) + "x" + std::to_string(size.height) + " px: " + error.err);
+        throw std::runtime_error(path_ + " is not a YuNet for OpenCV 4.6 (outputs loc, conf and iou), or does not take "
+                                 + std::to_string(size.width) + "x" + std::to_string(size.height)
+                                 + " px: " + error.err);
     }
     for (std::size_t i = 0; i < outputs.size(); ++i)
         if (found[i].type() != CV_32F || found[i].total() != outputs[i].second * places_in(size))
-            throw std::runtime_error(path_ + " is no YuNet: for " + std::to_string(size.width) + "x"
+            throw std::runtime_error(path_ + " is not a YuNet: for " + std::to_string(size.width) + "x"
                                      + std::to_string(size.height) + " px its output " + outputs[i].first + " has "
                                      + std::to_string(found[i].total()) + " numbers instead of "
                                      + std::to_string(outputs[i].second * places_in(size)));

@@ -81,12 +81,12 @@ void HandLandmarks::choose_outputs(const std::string& path)
                 presence_ = static_cast<std::size_t>(presence - outputs.begin());
                 return;
             }
-            problem = "it gives no 63 numbers and no single one";
+            problem = "it lacks an output of 63 numbers or of 1";
         } catch (const cv::Exception& error) {
             problem = error.err;
         }
     }
-    throw std::runtime_error(path + " is no model of hand landmarks with an input of 224x224 px: " + problem);
+    throw std::runtime_error(path + " is not a hand landmark model with 224x224 px input: " + problem);
 }
 
 std::vector<cv::Mat> HandLandmarks::run(const cv::Mat& input)

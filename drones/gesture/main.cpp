@@ -66,16 +66,16 @@ public:
     void declare(hive::Drone& drone)
     {
         drone.parameter("silhouette", from_, hive::one_of({"auto", "mask", "skin"}),
-                        "auto: grey pictures are masks, in others hands are searched for; mask: every picture is one; "
-                        "skin: all of the colours below is one silhouette");
+                        "auto: grey images are masks, others are searched for hands; mask: every image is a mask; "
+                        "skin: all skin-coloured pixels form one silhouette");
         drone.parameter("level", silhouette_.level, hive::between(1, 255),
-                        "of a mask: the least grey level that belongs to the silhouette");
+                        "masks: minimum grey level of the silhouette");
         drone.parameter("max_hands", finder_.max_hands, hive::between(1, 8),
-                        "how many hands are read, the largest or best first");
+                        "maximum number of hands, largest or best first");
         drone.parameter("min_area", finder_.min_area, hive::between(0, 100).in("%"),
-                        "part of the picture: smaller silhouettes are ignored");
+                        "minimum share of the image of a silhouette");
         drone.parameter("smooth", finder_.smooth, hive::between(0, 31).in("px"),
-                        "narrower specks, hairs and gaps of silhouettes are smoothed away");
+                        "smooth away narrower specks, hairs and gaps of silhouettes");
         declare_search(drone);
         declare_skin(drone);
     }
@@ -109,25 +109,25 @@ private:
     void declare_search(hive::Drone& drone)
     {
         drone.parameter("region", region_, hive::anything(),
-                        "of the search: where skin is to be seen, x,y,w,h in px; empty: look for a face");
+                        "search: a region showing skin, x,y,w,h in px; empty: look for a face");
         drone.parameter("tolerance", search_.tolerance, hive::between(0.5, 10),
-                        "of the search: how far a colour may be from that skin, in standard deviations");
+                        "search: maximum distance from that skin colour, in standard deviations");
         drone.parameter("cascade", cascade_, hive::anything().by_operator(),
-                        "of the search: file of the cascade that finds faces; empty: look for none");
+                        "search: face cascade file; empty: do not look for faces");
         drone.parameter("landmarks", landmarks_, hive::anything().by_operator(),
-                        "of the search: ONNX file of a model of hand landmarks; empty: the outline tells the fingers");
+                        "search: ONNX hand landmark model; empty: count fingers by the outline");
     }
 
     void declare_skin(hive::Drone& drone)
     {
         const auto byte = hive::between(0, 255);
         gesture::SkinRange& skin = silhouette_.skin;
-        drone.parameter("y_min", skin.y_min, byte, "skin in YCrCb, without a face or region: least brightness");
-        drone.parameter("y_max", skin.y_max, byte, "skin: most brightness");
-        drone.parameter("cr_min", skin.cr_min, byte, "skin: least Cr");
-        drone.parameter("cr_max", skin.cr_max, byte, "skin: most Cr");
-        drone.parameter("cb_min", skin.cb_min, byte, "skin: least Cb");
-        drone.parameter("cb_max", skin.cb_max, byte, "skin: most Cb");
+        drone.parameter("y_min", skin.y_min, byte, "skin in YCrCb, without a face or region: minimum brightness");
+        drone.parameter("y_max", skin.y_max, byte, "skin: maximum brightness");
+        drone.parameter("cr_min", skin.cr_min, byte, "skin: minimum Cr");
+        drone.parameter("cr_max", skin.cr_max, byte, "skin: maximum Cr");
+        drone.parameter("cb_min", skin.cb_min, byte, "skin: minimum Cb");
+        drone.parameter("cb_max", skin.cb_max, byte, "skin: maximum Cb");
     }
 
     std::string from_ = "auto", region_, loaded_, landmarks_, loaded_landmarks_,
@@ -143,7 +143,7 @@ void gesture_drone(hive::Drone& drone)
     reader.declare(drone);
     const hive::Output gestures = drone.output("gesture", "application/json", "the hands, in the header; no body");
     const hive::Output annotated = drone.output("annotated", hive::vision::image_types,
-                                                "the picture with the hands marked", hive::vision::encoder());
+                                                "the image with the hands marked", hive::vision::encoder());
     hive::vision::LoanAllocator loans([&](std::size_t bytes) { return annotated.loan(bytes); });
     drone.on_start([&] {
         cv::setNumThreads(1);  // one drone, one core: to use more, start more drones
@@ -162,7 +162,7 @@ void gesture_drone(hive::Drone& drone)
             hive::vision::emit_annotated(annotated, loans, std::move(header), picture,
                                          [&](cv::Mat& canvas) { gesture::draw(canvas, hands); });
         },
-        "masks, or pictures in which hands are searched for");
+        "masks, or images to search for hands");
     drone.run();
 }
 
@@ -170,5 +170,5 @@ void gesture_drone(hive::Drone& drone)
 
 int main(int argc, char** argv)
 {
-    return hive::run_drone(argc, argv, {"gesture", "Finds hands in pictures and counts their fingers."}, gesture_drone);
+    return hive::run_drone(argc, argv, {"gesture", "Finds hands in images and counts their fingers."}, gesture_drone);
 }

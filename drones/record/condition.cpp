@@ -78,7 +78,7 @@ Condition::Comparison Condition::comparison(const std::string& text)
         one.operation = "=";
     if (std::ranges::find(operations, one.operation) == operations.end() || std::ranges::count(one.path, "") > 0
         || (!one.operation.empty() && one.value.empty()))
-        throw std::invalid_argument("\"" + text + "\" is none of FIELD, FIELD=VALUE, !=, <, <=, >, >=");
+        throw std::invalid_argument("\"" + text + "\" is not FIELD, FIELD=VALUE, !=, <, <=, >, >=");
     return one;
 }
 

@@ -44,26 +44,25 @@ Clock::duration seconds(double count)
 RecordDrone::RecordDrone(hive::Drone& drone) : drone_(drone), remembered_(drone.remembered("file"))
 {
     drone_.parameter("file", file_, hive::anything().by_operator(),
-                     "path of the recording; a new path ends it and begins another; empty: ends it");
-    drone_.parameter("overwrite", overwrite_, hive::anything().by_operator(), "replace a file that exists already");
-    drone_.parameter("max_size", max_size_, hive::at_least(0).in("MB"),
-                     "end the recording before the file grows larger than this; 0: no limit");
+                     "recording file; a new path starts a new recording; empty: stop");
+    drone_.parameter("overwrite", overwrite_, hive::anything().by_operator(), "replace an existing file");
+    drone_.parameter("max_size", max_size_, hive::at_least(0).in("MB"), "maximum file size; 0: no limit");
     drone_.parameter("max_duration", max_duration_, hive::at_least(0).in("s"),
-                     "end the recording this long after its first event; 0: no limit");
+                     "maximum duration from the first event; 0: no limit");
     drone_.parameter("sync", sync_, hive::between(0, 3600).in("s"),
-                     "how often the file is flushed to the disk; 0: when the system chooses");
+                     "interval between flushes to disk; 0: left to the system");
     drone_.parameter("when", when_, hive::anything(),
-                     "record only what comes around events whose header says this: \"faces>0\"; empty: everything");
+                     "record only around events whose header matches: \"faces>0\"; empty: everything");
     drone_.parameter("before", before_, hive::between(0, 3600).in("s"),
-                     "with when: how much of what came before such an event is recorded");
+                     "with when: time to record before such an event");
     drone_.parameter("after", after_, hive::between(0, 3600).in("s"),
-                     "with when: how long after the last such event the file is closed");
+                     "with when: time from the last such event until the file is closed");
     drone_.on_start(
         [] { std::signal(SIGXFSZ, SIG_IGN); });  // a file over the limit of the process is an error like others
     drone_.on_change([this] { apply(); });
     drone_.on_event(
         "events", "*/*", [this](const hive::Event& event) { take(event); },
-        "what is recorded; connect as many outputs as you like");
+        "events to record; connect any number of outputs");
     drone_.on_end([this](const std::string& text) { end(text); });
     drone_.main([this] { return look(); });
 }
@@ -326,7 +325,7 @@ void RecordDrone::say()
     drone_.condition(failed ? writer_->failure() : writer_->ended().empty() ? goes_on : "ended: " + writer_->ended());
     if (failed && !std::exchange(reported_, true))
         drone_.report(hive::Errc::io, writes_ + ": " + writer_->failure()
-                                          + "; the recording has ended, what comes now is counted as lost");
+                                          + "; the recording has stopped, further events count as lost");
 }
 
 }  // namespace record

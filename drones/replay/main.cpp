@@ -3,6 +3,6 @@
 
 int main(int argc, char** argv)
 {
-    return hive::run_drone(argc, argv, {"replay", "Replays the events of a recording, unchanged."},
+    return hive::run_drone(argc, argv, {"replay", "Replays the events of a recording unchanged."},
                            [](hive::Drone& drone) { replay::ReplayDrone(drone).run(); });
 }

@@ -48,13 +48,12 @@ ReplayDrone::ReplayDrone(hive::Drone& drone) : drone_(drone)
 void ReplayDrone::declare()
 {
     drone_.parameter("file", file_, hive::anything().by_operator(), "path of the recording");
-    drone_.parameter(
-        "pace", pace_, hive::one_of({"real", "demand"}),
-        "real: at the pace of the recording; demand: the next event when all receivers have asked, nothing skipped");
+    drone_.parameter("pace", pace_, hive::one_of({"real", "demand"}),
+                     "real: recorded timing; demand: the next event when all receivers have asked, none skipped");
     drone_.parameter("speed", speed_, hive::between(0.01, 1000), "with pace=real: how many times as fast as recorded");
-    drone_.parameter("loop", loop_, hive::anything(), "start again at the end");
-    drone_.parameter("from", from_, hive::at_least(0).in("s"), "where to begin in the recording");
-    drone_.parameter("to", to_, hive::at_least(0).in("s"), "where to end in the recording; 0: at its end");
+    drone_.parameter("loop", loop_, hive::anything(), "repeat at the end");
+    drone_.parameter("from", from_, hive::at_least(0).in("s"), "start offset in the recording");
+    drone_.parameter("to", to_, hive::at_least(0).in("s"), "end offset in the recording; 0: its end");
 }
 
 /// A file that cannot be read is complained about when the drone runs.
@@ -74,8 +73,7 @@ void ReplayDrone::declare_outputs()
                                                            : drone_.output(port.name, port.types, help)});
     }
     if (outputs_.empty())
-        outputs_.push_back(
-            {{everything, "*/*", {}}, drone_.output(everything, "*/*", "everything in the order of the recording")});
+        outputs_.push_back({{everything, "*/*", {}}, drone_.output(everything, "*/*", "all events in recorded order")});
 }
 
 Range ReplayDrone::range() const
@@ -89,7 +87,7 @@ Range ReplayDrone::range() const
 void ReplayDrone::apply()
 {
     if (to_ > 0 && to_ <= from_)
-        throw hive::Error(hive::Errc::refused, "to is not behind from");
+        throw hive::Error(hive::Errc::refused, "to must be after from");
     const Opened wanted{file_, range()};
     if (wanted != opened_ || ended_)
         open(wanted);
@@ -243,7 +241,7 @@ void ReplayDrone::send()
 void ReplayDrone::damaged(const std::string& what)
 {
     ++damaged_;
-    drone_.report(hive::Errc::malformed, file_ + ": " + what + "; the event is left out");
+    drone_.report(hive::Errc::malformed, file_ + ": " + what + "; event skipped");
     take_next();
 }
 

@@ -45,7 +45,7 @@ std::vector<Box> boxes_in(const hive::Json& header, const std::string& name)
 {
     const hive::Json& array = box_array::array_of_boxes(header, name);
     if (array.size() > most_boxes)
-        throw hive::Error(hive::Errc::too_large, "more than " + std::to_string(most_boxes) + " boxes in one picture");
+        throw hive::Error(hive::Errc::too_large, "more than " + std::to_string(most_boxes) + " boxes in one image");
     std::vector<Box> boxes;
     for (const hive::Json& value : array)
         boxes.push_back(checked(value));

@@ -15,21 +15,20 @@ void track_drone(hive::Drone& drone)
     double fps = 0, used_fps = 0;
     drone.parameter("boxes", boxes, hive::anything(),
                     "name of the array of boxes in the header; empty: the only array");
-    drone.parameter("confirm", tracker.confirm, hive::between(1, 1000), "boxes in a row until a track is confirmed");
-    drone.parameter("forget", tracker.forget, hive::between(1, 10000),
-                    "pictures in a row without a box until a confirmed track ends");
+    drone.parameter("confirm", tracker.confirm, hive::between(1, 1000), "consecutive boxes to confirm a track");
+    drone.parameter("forget", tracker.forget, hive::between(1, 10000), "consecutive misses that end a confirmed track");
     drone.parameter("gate", tracker.gate, hive::between(0.01, 10),
-                    "how far a box may be from where it is expected, in diagonals of the box");
+                    "maximum distance from the predicted box, in box diagonals");
     drone.parameter("agility", tracker.agility, hive::between(0.01, 100),
-                    "how much the speed may change, in sides of the box per s^2");
+                    "expected acceleration, in box sides per s^2");
     drone.parameter("strong", tracker.strong, hive::between(-100, 100),
-                    "a box with a lower score begins no track, and goes only to one that no other box wants");
+                    "a box with a lower score starts no track and only extends unmatched ones");
     drone.parameter("appearance", tracker.appearance, hive::between(0, 1),
-                    "how much the colours of boxes count beside their motion; 0: motion alone");
+                    "weight of box colours against motion; 0: motion only");
     drone.parameter("max_gap", tracker.max_gap, hive::between(0.01, 3600).in("s"),
-                    "all tracks end when pictures are further apart");
+                    "time between frames that ends all tracks");
     drone.parameter("fps", fps, hive::between(0, 1000).in("fps"),
-                    "frame rate to count time in pictures; 0: the time in the file, or that of the capture");
+                    "frame rate for timing by frame count; 0: use the file or capture time");
     const hive::Output tracks = drone.output("tracks", "application/json", "the tracks, in the header; no body");
     drone.on_change([&] {
         if (fps != used_fps)
@@ -51,7 +50,7 @@ void track_drone(hive::Drone& drone)
             media_fields::pass_on(event.header, header);
             tracks.emit(std::move(header));
         },
-        "boxes of one picture after the other");
+        "boxes of consecutive images");
     drone.run();
 }
 
@@ -59,5 +58,5 @@ void track_drone(hive::Drone& drone)
 
 int main(int argc, char** argv)
 {
-    return hive::run_drone(argc, argv, {"track", "Follows things through boxes.", true}, track_drone);
+    return hive::run_drone(argc, argv, {"track", "Tracks objects by their boxes.", true}, track_drone);
 }

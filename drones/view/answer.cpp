@@ -13,7 +13,7 @@ Answer page(const char* type, std::string body) { return {{.type = type, .body =
 
 }  // namespace
 
-Answer not_ready() { return sentence(503, "The picture is not ready yet; ask again."); }
+Answer not_ready() { return sentence(503, "The image is not ready yet; ask again."); }
 
 Answer answer_to(const Request& request, const Exchange& exchange, const Address& bind, const Pass& pass,
                  Browsers browsers)
@@ -34,11 +34,11 @@ Answer answer_to(const Request& request, const Exchange& exchange, const Address
     const bool plain = request.path.starts_with("/plain/");  // for the page, which shows the caption's content itself
     if (request.path == "/picture.jpg" || request.path == "/plain/picture.jpg")
         return exchange.newest().number > 0 ? Answer{{.type = "image/jpeg"}, Answer::picture, plain}
-                                            : sentence(503, "There is no picture yet.");
+                                            : sentence(503, "There is no image yet.");
     if (request.path == "/stream.mjpg" || request.path == "/plain/stream.mjpg")
         return browsers.now < browsers.most ? Answer{{.type = Stream::type}, Answer::stream, plain}
-                                            : sentence(503, "Too many are looking.");
-    return sentence(404, "There is nothing here.");
+                                            : sentence(503, "Too many viewers.");
+    return sentence(404, "Not found.");
 }
 
 }  // namespace view

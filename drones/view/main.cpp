@@ -3,6 +3,6 @@
 
 int main(int argc, char** argv)
 {
-    return hive::run_drone(argc, argv, {"view", "Shows pictures in a window and in browsers."},
+    return hive::run_drone(argc, argv, {"view", "Shows images in a window and in browsers."},
                            [](hive::Drone& drone) { view::ViewDrone(drone).run(); });
 }

@@ -18,9 +18,9 @@ const std::string_view page_html = R"(<!DOCTYPE html>
 <span id="light" class="off"></span>
 <h1 id="sender">waiting</h1>
 <span id="source"></span>
-<a href="plain/picture.jpg" download>Save picture</a>
+<a href="plain/picture.jpg" download>Save image</a>
 </header>
-<main><img id="picture" src="plain/stream.mjpg" alt="The live picture"></main>
+<main><img id="picture" src="plain/stream.mjpg" alt="The live image"></main>
 <footer>
 <dl>
 <div><dt>rate</dt><dd id="rate">–</dd></div>
@@ -79,9 +79,9 @@ function show(status) {
   write("sequence", some ? "#" + status.sequence : "–");
   document.title = (some ? status.sender + " – " : "") + "Hive view";
   if (!some)
-    light("off", "no picture yet: connect a drone to this one");
+    light("off", "no image yet: connect a drone to this one");
   else if (status.since_ms > 2000 && status.rate === 0)
-    light("late", "no picture for " + time(status.since_ms));
+    light("late", "no image for " + time(status.since_ms));
   else
     light("on", "");
 }

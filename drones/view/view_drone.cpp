@@ -20,7 +20,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr const char* no_display =
-    "there is no display for a window (DISPLAY); look with a browser: http=PORT, or hivectl view --http PORT";
+    "no display for a window (DISPLAY); use a browser: http=PORT, or hivectl view --http PORT";
 
 Origin origin_of(const hive::Event& event, cv::Size size, double rate)
 {
@@ -32,7 +32,7 @@ Origin origin_of(const hive::Event& event, cv::Size size, double rate)
 
 }  // namespace
 
-ViewDrone::ViewDrone(hive::Drone& drone) : drone_(drone), exchange_(Picture::of_notice("no picture yet"))
+ViewDrone::ViewDrone(hive::Drone& drone) : drone_(drone), exchange_(Picture::of_notice("no image yet"))
 {
     declare();
     drone_.on_start([] { cv::setNumThreads(1); });  // one drone, one core
@@ -44,18 +44,18 @@ ViewDrone::ViewDrone(hive::Drone& drone) : drone_(drone), exchange_(Picture::of_
 
 void ViewDrone::declare()
 {
-    drone_.parameter("http", http_, hive::between(0, 65535).by_operator(), "port of the page for browsers; 0: none");
+    drone_.parameter("http", http_, hive::between(0, 65535).by_operator(), "HTTP port for browsers; 0: none");
     drone_.parameter("bind", bind_, hive::anything().by_operator(),
-                     "address of that page; 0.0.0.0: every address of this machine");
+                     "address of the page; 0.0.0.0: every address of this machine");
     drone_.parameter("token", token_, hive::anything().by_operator(),
                      "the token that browsers must send, as in http://127.0.0.1:8080/?token=TOKEN; empty: a random "
-                     "one, which the log tells");
+                     "one, printed to the log");
     drone_.parameter("window", window_, hive::one_of({"auto", "off", "on"}), "auto: if there is a display");
     drone_.parameter("overlay", overlay_, hive::anything(),
-                     "write names, rate and age on the pictures, but not on those of the page, which says so itself");
+                     "draw names, rate and age on images, except on the page, which shows them separately");
     drone_.parameter("quality", quality_, hive::between(1, 100), "quality of the JPEG for browsers");
     drone_.parameter("hold", hold_ms_, hive::between(0, 60'000).in("ms"),
-                     "how long a picture is shown at least before the next is asked for");
+                     "minimum time that an image is shown before the next request");
 }
 
 void ViewDrone::apply()
@@ -97,7 +97,7 @@ std::string ViewDrone::problem() const
 {
     if (server_ || wants_window())
         return {};
-    return window_ == "off" ? "nobody can look: window is off, and http is 0" : no_display;
+    return window_ == "off" ? "no viewer possible: window is off, http is 0" : no_display;
 }
 
 void ViewDrone::take(const hive::Event& event)

@@ -115,8 +115,7 @@ std::unique_ptr<Sink> open_sink(const Settings& settings)
     const bool folder = !path.has_filename() || fs::is_directory(path);
     if (!folder && !VideoFile::knows(settings.path))
         throw std::runtime_error(settings.path
-                                 + ": the ending means no video; there is .mp4, .mov, .mkv and .avi, and NAME/ for a "
-                                   "folder of pictures");
+                                 + ": unknown extension; use .mp4, .mov, .mkv or .avi, or NAME/ for an image folder");
     if (folder && fs::exists(path) && !fs::is_empty(path) && !settings.overwrite)
         throw std::runtime_error(settings.path + " is not empty; write elsewhere, or overwrite it");
     if (!folder)

@@ -50,7 +50,7 @@ VideoEncoder::VideoEncoder(const AVOutputFormat& container, const EncoderSetting
     frame_->format = context_->pix_fmt;
     frame_->width = context_->width;
     frame_->height = context_->height;
-    checked(av_frame_get_buffer(frame_.get(), 0), "no memory for a picture");
+    checked(av_frame_get_buffer(frame_.get(), 0), "no memory for an image");
 }
 
 bool VideoEncoder::open(const AVCodec& codec, const AVOutputFormat& container, const EncoderSettings& settings)
@@ -90,15 +90,15 @@ void VideoEncoder::encode(const cv::Mat& picture, std::int64_t time, bool key,
     scaler_.reset(sws_getCachedContext(scaler_.release(), colour.cols, colour.rows, AV_PIX_FMT_BGR24, frame_->width,
                                        frame_->height, context_->pix_fmt, SWS_BICUBIC, nullptr, nullptr, nullptr));
     if (!scaler_)
-        throw std::runtime_error("FFmpeg cannot convert this picture");
-    checked(av_frame_make_writable(frame_.get()), "no memory for a picture");
+        throw std::runtime_error("FFmpeg cannot convert this image");
+    checked(av_frame_make_writable(frame_.get()), "no memory for an image");
     const std::uint8_t* const rows[] = {colour.data};
     const int strides[] = {static_cast<int>(colour.step)};
     sws_scale(scaler_.get(), rows, strides, 0, colour.rows, frame_->data, frame_->linesize);
     frame_->pts = time;
     frame_->pict_type = key ? AV_PICTURE_TYPE_I : AV_PICTURE_TYPE_NONE;
     frame_->quality = context_->global_quality;
-    checked(avcodec_send_frame(context_.get(), frame_.get()), "a picture could not be encoded");
+    checked(avcodec_send_frame(context_.get(), frame_.get()), "an image could not be encoded");
     receive(take);
 }
 
@@ -114,7 +114,7 @@ void VideoEncoder::receive(const std::function<void(AVPacket&)>& take)
         const int code = avcodec_receive_packet(context_.get(), packet_.get());
         if (code == AVERROR(EAGAIN) || code == AVERROR_EOF)
             return;
-        checked(code, "a picture could not be encoded");
+        checked(code, "an image could not be encoded");
         take(*packet_);
         av_packet_unref(packet_.get());
     }

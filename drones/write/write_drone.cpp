@@ -62,17 +62,16 @@ WriteDrone::WriteDrone(hive::Drone& drone)
 
 void WriteDrone::declare()
 {
-    drone_.parameter("file", file_, hive::anything().by_operator(),
-                     "path of the video (.mp4 .mov .mkv .avi), or of a folder of pictures (NAME/); another path ends "
-                     "it and begins another; empty: ends it");
-    drone_.parameter("overwrite", overwrite_, hive::anything().by_operator(), "replace what is there already");
+    drone_.parameter(
+        "file", file_, hive::anything().by_operator(),
+        "video file (.mp4 .mov .mkv .avi) or image folder (NAME/); a new path starts a new file; empty: stop");
+    drone_.parameter("overwrite", overwrite_, hive::anything().by_operator(), "replace an existing file or folder");
     drone_.parameter("quality", quality_, hive::between(1, 100),
-                     "of the pictures; more takes more room; counts from the next file on");
+                     "image quality; higher: larger files; counts from the next file on");
     drone_.parameter(
         "fps", fps_, hive::between(0, highest_fps).in("fps"),
-        "write pictures at this rate, 0.01 or more; 0: each keeps its time, in the file it comes from or of its "
-        "capture");
-    drone_.parameter("count", count_, hive::at_least(0), "end after this many pictures; 0: no limit");
+        "write images at this rate, 0.01 or more; 0: keep the time of each, in its source file or of its capture");
+    drone_.parameter("count", count_, hive::at_least(0), "stop after this many images; 0: no limit");
 }
 
 void WriteDrone::run()
@@ -190,7 +189,7 @@ Moment WriteDrone::moment_of(const hive::Event& event) const
 
 void WriteDrone::fail(const std::string& problem)
 {
-    drone_.report(hive::Errc::io, problem + "; the file has ended and holds what came before");
+    drone_.report(hive::Errc::io, problem + "; the file was closed with the earlier images");
     close(present_, "failed", problem);
 }
 
@@ -230,10 +229,9 @@ void WriteDrone::say()
         return drone_.condition("no file: set one, file=PATH");
     if (present_.sink)
         return drone_.condition("");
-    drone_.condition("ended: " + present_.ended
-                     + (present_.later > 0
-                            ? "; " + std::to_string(present_.later) + " pictures came later and are not written"
-                            : ""));
+    drone_.condition(
+        "ended: " + present_.ended
+        + (present_.later > 0 ? "; " + std::to_string(present_.later) + " later images were not written" : ""));
 }
 
 }  // namespace writing

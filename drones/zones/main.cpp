@@ -28,14 +28,15 @@ private:
                         "lines of two points, as NAME: X,Y X,Y; ...; a track from left to right of it counts as in");
         drone.parameter("anchor", anchor_, hive::one_of({"foot", "centre"}),
                         "point of a box that counts: middle of its lower side, or its centre");
-        drone.parameter("margin", counter_.margin, hive::between(0, 0.5),
-                        "how far beyond an outline or line a change counts, as a share of the image height");
+        drone.parameter(
+            "margin", counter_.margin, hive::between(0, 0.5),
+            "distance beyond an outline or line from which a change counts, as a share of the image height");
         drone.parameter("hold", counter_.hold, hive::between(0, 3600).in("s"),
-                        "how long a track may be absent until it has ended");
+                        "time without a track until it has ended");
         drone.parameter("boxes", boxes_, hive::anything(),
                         "name of the array of boxes in the header; empty: tracks, or the only array");
         drone.parameter("fps", fps_, hive::between(0, 1000).in("fps"),
-                        "frame rate for measuring dwell time; 0: the time in the file, or that of the capture");
+                        "frame rate for measuring dwell time; 0: use the file or capture time");
         return drone.output("counts", "application/json", "zones, lines and tracks of each frame, in the header");
     }
 

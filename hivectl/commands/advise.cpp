@@ -97,8 +97,8 @@ Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
     line.option("NAME", options->drones,
-                "the last drone of a line; or its first and its last (default: all lines of drones)");
-    line.option("--goal", options->goal, "what to improve: events per second, or their age (default fps)")
+                "the last drone of a pipeline, or its first and last (default: all pipelines)");
+    line.option("--goal", options->goal, "what to improve: events per second (fps, default) or their age (latency)")
         .one_of({std::string(hive::token(hive::Goal::fps)), std::string(hive::token(hive::Goal::latency))});
     line.option("--time", options->time_s, "how long to measure (default 2)").type_name("SECONDS").seconds(0.2, 3600);
     return [options, &session] { return run(*options, session); };
@@ -112,16 +112,15 @@ Verb verb()
         .name = "advise",
         .group = "errors",
         .usage = "[DRONE | FIRST LAST] [--goal fps|latency] [options]",
-        .summary = "Shows where the time of events goes, and predicts what would help",
+        .summary = "Measures where events spend their time, and predicts what helps",
         .details =
-            "Measures how events pass from a source to the drone that you name, and prints the steps with the time "
-            "that each takes on average: waiting at the sender until the receiver requests the newest event, encoding, "
-            "travel, the queue of events requested ahead, and the work of the drone's code. MAX/s is the rate that a "
-            "step would let through. The bottleneck is the lowest limit. Then follow changes that help by at least 5 % "
-            "(--goal latency: 10 %), the best first, each with a command, the predicted rate and age, and how sure "
-            "that is. Only what is measured counts: a further drone helps only if processors are free, and an "
-            "encoding only if it was tried: where raw images go to another machine, some of them are "
-            "requested as JPEG.\n\n"
+            "Measures events on their way from a source to the named drone, and prints the mean time of each step: "
+            "waiting at the sender until the receiver requests the newest event, encoding, travel, the queue of events "
+            "requested ahead, and the work of the drone's code. MAX/s is the maximum rate of a step; the lowest is the "
+            "bottleneck. Then prints changes that gain at least 5 % (--goal latency: 10 %), best first, each with a "
+            "command, the predicted rate and age, and the confidence. Predictions use only measurements: another drone "
+            "is proposed only if processors are free, an encoding only if it was tried (if raw images go to another "
+            "machine, some are requested as JPEG).\n\n"
             "--json prints one object: goal, and lines with from, to, per_s, latency_us, stations and limits (what, "
             "at, time_us, max_per_s; what is one of source, waiting, encoding, travel, queue, work, window, "
             "processors), and proposals (what, text, command, predicted_per_s, predicted_us, next, sure, unsure; what "

@@ -99,7 +99,7 @@ int run(const Options& options, Session& session)
 Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
-    const auto watch = line.flag("--watch", options->watch, "print the table again and again, until Ctrl-C");
+    const auto watch = line.flag("--watch", options->watch, "repeat the table until Ctrl-C");
     line.option("--interval", options->interval_s, "with --watch: time between two tables (default 1)")
         .type_name("SECONDS")
         .seconds(0.05, 3600)
@@ -111,31 +111,30 @@ Run declare(CommandLine& line, Session& session)
 
 Verb verb()
 {
-    return {.name = "audit",
-            .group = "errors",
-            .usage = "[--watch] [options]",
-            .summary = "Says whether anything was lost, and where",
-            .details =
-                "One row for each connection, and one for each group, with the counts of both ends. CAME is always the "
-                "sum of ACKNOWLEDGED, IN-FLIGHT and the fates of the sender, as hivectl connections explains them. "
-                "FATES says what became of the other events, and which drone counts it. LOST are those of them that "
-                "were promised: dropped, abandoned, lost_connection, lost_killed and lost_cut_off at the sender, "
-                "dropped and abandoned at the receiver. Not promised are events that a connection skips because the "
-                "receiver had not asked, that were under way when the receiver left, that found no partner, or that "
-                "were discarded by halt.\n\n"
-                "All drones are asked three times. What a receiver has processed at the second time is no less than "
-                "what its sender knew of at the first, and no more than what the sender had sent at the third; so "
-                "counts of a running swarm are compared without a false alarm. Where one end was restarted, only what "
-                "both have seen is compared. STATE: both ends; sender only, if the receiver is an application or does "
-                "not answer; receiver gone; sender gone.\n\n"
-                "The exit code is 9 if anything was lost or the ends contradict each other, otherwise 0. With --watch, "
-                "that of the last table.",
-            .examples = "hivectl audit\n"
-                        "hivectl audit --json | jq '.[] | select(.lost > 0)'",
-            .timeout = "a drone that has not answered by then does not answer (default 1)",
-            .table = true,
-            .operands = {},
-            .declare = declare};
+    return {
+        .name = "audit",
+        .group = "errors",
+        .usage = "[--watch] [options]",
+        .summary = "Reports lost events, and where they were lost",
+        .details =
+            "One row for each connection, and one for each group, with the counts of both ends. CAME is always the sum "
+            "of ACKNOWLEDGED, IN-FLIGHT and the sender's FATES (see hivectl connections). FATES counts the other "
+            "events by outcome, at each end. LOST counts those whose delivery was promised: dropped, abandoned, "
+            "lost_connection, lost_killed and lost_cut_off at the sender, dropped and abandoned at the receiver. Not "
+            "promised are events that were skipped because the receiver had not asked, in flight when the receiver "
+            "left, unmatched, or discarded by halt.\n\n"
+            "All drones are queried three times. A receiver must have processed, at the second query, at least what "
+            "its sender knew of at the first and at most what the sender had sent at the third; so a running swarm "
+            "causes no false alarm. After a restart, only events that both ends saw are compared. STATE: both ends; "
+            "sender only, if the receiver is an application or does not answer; receiver gone; sender gone.\n\n"
+            "The exit code is 9 if anything was lost or the ends disagree, otherwise 0; with --watch, that of the last "
+            "table.",
+        .examples = "hivectl audit\n"
+                    "hivectl audit --json | jq '.[] | select(.lost > 0)'",
+        .timeout = "how long to wait for the answer of a drone (default 1)",
+        .table = true,
+        .operands = {},
+        .declare = declare};
 }
 
 }  // namespace hivectl::audit_verb

@@ -56,14 +56,12 @@ Verb verb()
     return {.name = "check",
             .group = "a swarm from a file",
             .usage = "FILE [options]",
-            .summary = "Finds every mistake in a swarm file, without starting anything",
-            .details =
-                "Each mistake is a line FILE:LINE:COLUMN: TEXT, to which editors jump, and the exit code is then 2. "
-                "Names, options and references are checked, and with what the programs on this machine say of "
-                "themselves also parameters and their ranges, ports and their types. What is only on other machines "
-                "cannot be checked here, and stderr says so.",
+            .summary = "Checks a swarm file without starting anything",
+            .details = "Prints each mistake as FILE:LINE:COLUMN: TEXT for editors, and then exits with 2. Checks "
+                       "names, options and references, and for kinds that are installed here also parameters, ranges, "
+                       "ports and types. Kinds that are only on other machines are listed on stderr as not checked.",
             .examples = "hivectl check doorway.json",
-            .timeout = "how long the programs may take to say what they are (default 10)",
+            .timeout = "how long programs may take to describe themselves (default 10)",
             .operands = {Operand::file},
             .declare = declare};
 }

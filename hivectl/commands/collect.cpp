@@ -64,7 +64,7 @@ void summarize(const hive::MatchedCollector& collector, const std::vector<Loss>&
     if (counts.duplicates > 0)
         text += ", " + std::to_string(counts.duplicates) + " came twice";
     if (const auto dropped = collector.received().dropped; dropped > 0)
-        text += ", " + std::to_string(dropped) + " dropped by hivectl because they were not taken in time";
+        text += ", " + std::to_string(dropped) + " dropped by hivectl, which could not keep up";
     if (!text.empty())
         complain("collect", count_text(counts.sets, "set") + printable(text));
     for (const auto& loss : losses)
@@ -105,17 +105,17 @@ Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
     line.option("NAME", options->names,
-                "two or more of drone, drone.output, or globs; the output may be left out when only one is JSON")
+                "two or more drones, drone.output or globs; omit the output if only one is JSON")
         .required();
     line.option("-n", options->count, "end after this many sets")
         .type_name("N")
         .between(std::int64_t{1}, std::int64_t{1} << 53);
     line.option("--within", options->within_ms,
-                "combine the nearest captures, at most this far apart (default: only events of the same capture)")
+                "match the nearest captures, at most this far apart (default: only events of the same capture)")
         .type_name("MS")
         .milliseconds(0, 3'600'000);
-    line.flag("--notify", options->notify, "receive headers only, so that the drones need not make the bodies");
-    line.flag("--stay", options->stay, "wait for more when every source has come to its end");
+    line.flag("--notify", options->notify, "receive headers only, so drones need not make bodies");
+    line.flag("--stay", options->stay, "keep waiting after every source has ended");
     return [options, &session] { return run(*options, session); };
 }
 
@@ -126,13 +126,11 @@ Verb verb()
     return {.name = "collect",
             .group = "results",
             .usage = "NAME[.OUTPUT] NAME[.OUTPUT]... [-n N] [options]",
-            .summary = "Prints what several drones find in the same picture, one JSON object per line",
-            .details =
-                "Each line is a set with one event of each output, in the order in which they were named: source, "
-                "epoch and seq of the first event, spread_ms (how far apart the captures are) and events, each as "
-                "hivectl results prints it. Ends when every source has come to its end. Events without a partner are "
-                "left out; the last lines on stderr say how "
-                "many there were, where their partners were missing, and what was lost on the way.",
+            .summary = "Prints matching results of several drones, one JSON object per line",
+            .details = "Each line is a set with one event of each output, in the order of the arguments: source, epoch "
+                       "and seq of the first event, spread_ms (time between the captures) and events, each as hivectl "
+                       "results prints it. Ends when every source has ended. Unmatched events are left out; the last "
+                       "lines on stderr count them by the output that had no match, and list losses.",
             .examples = "hivectl collect camera.image face.faces -n 5\n"
                         "hivectl collect left right --within 20 -n 5 | jq .spread_ms",
             .timeout = "give up after this long without a set (default: never)",

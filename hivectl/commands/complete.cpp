@@ -181,7 +181,7 @@ int run(const Words& words, Session& session)
 Run declare(CommandLine& line, Session& session)
 {
     auto words = std::make_shared<Words>();
-    line.option("WORD", *words, "the words after hivectl; the last one is being typed");
+    line.option("WORD", *words, "the arguments after hivectl; the last one is incomplete");
     return [words, &session] { return run(*words, session); };
 }
 
@@ -191,7 +191,7 @@ Verb verb()
 {
     return {.name = "complete",
             .usage = "-- WORD...",
-            .summary = "Lists what may stand in place of the last word; for the scripts of hivectl completion",
+            .summary = "Lists completions of the last word; for the scripts of hivectl completion",
             .operands = {Operand::other},
             .declare = declare};
 }

@@ -87,15 +87,13 @@ Option declare(CommandLine& line, const hive::ConnectionOption& option, Options&
 Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
-    line.option("SENDER", options->sender, "drone or drone.output; the output may be left out when only one fits")
-        .required();
+    line.option("SENDER", options->sender, "drone or drone.output; omit the output if only one fits").required();
     line.option("RECEIVER", options->receivers, "drones or drone.input, one or several; globs such as 'face-*'")
         .required();
     std::map<std::string_view, Option> declared;
-    declared.emplace("share",
-                     line.flag("--share", options->share,
-                               "the receivers share the work: each event goes to exactly one of them, the one with the "
-                               "fewest events in hand, or of these the one waiting longest"));
+    declared.emplace("share", line.flag("--share", options->share,
+                                        "share the work: each event goes to one receiver, the one with the fewest "
+                                        "events in progress that has waited longest"));
     for (const auto& option : hive::connection_option_table())
         declared.emplace(option.name, declare(line, option, *options));
     for (const auto& [one, other] : hive::connection_clashes())
@@ -111,9 +109,9 @@ Verb verb()
             .group = "connections",
             .usage = "SENDER[.OUTPUT] RECEIVER[.INPUT]... [options]",
             .summary = "Sends the events of one drone to others",
-            .details = "Returns when both ends have confirmed the connection, and prints the ports that were "
-                       "connected. By default a receiver gets the newest event each time it is ready for one, so it "
-                       "never falls behind. When an end restarts, the connection is made again by itself.",
+            .details = "Returns once both ends have confirmed the connection, and prints the connected ports. By "
+                       "default a receiver gets the newest event each time it is ready, so it never falls behind. When "
+                       "an end restarts, the connection is restored.",
             .examples = "hivectl connect camera face\n"
                         "hivectl connect camera.image face.image --window 2\n"
                         "hivectl connect camera face --encoding jpeg:60\n"

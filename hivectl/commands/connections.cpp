@@ -68,9 +68,8 @@ void advise_windows(const std::vector<Row>& rows)
                          + std::to_string(static_cast<std::int64_t>(row.number("window"))) + " lets at most "
                          + std::to_string(
                              static_cast<std::int64_t>(1e6 * row.number("window") / row.number("round_trip_us")))
-                         + " events a second through; ask ahead: hivectl connect " + row.text("from") + " "
-                         + row.text("to") + " --window "
-                         + std::to_string(static_cast<std::int64_t>(row.number("window_advised"))));
+                         + " events per second through; try: hivectl connect " + row.text("from") + " " + row.text("to")
+                         + " --window " + std::to_string(static_cast<std::int64_t>(row.number("window_advised"))));
 }
 
 int run(const std::vector<std::string>& words, Session& session)
@@ -106,47 +105,41 @@ Run declare(CommandLine& line, Session& session)
 
 Verb verb()
 {
-    return {
-        .name = "connections",
-        .alias = "edges",
-        .group = "connections",
-        .usage = "[NAME...] [options]",
-        .summary = "Lists the connections, with what both ends have counted",
-        .details =
-            "One row for each connection, and one for each group that shares work. Columns in which every row is 0 or "
-            "empty "
-            "are left out; --json has all of them.\n\n"
-            "The sender counts: came = acknowledged + skipped + dropped + passed_on + abandoned + lost_connection + "
-            "lost_killed + lost_cut_off + lost_left + in_flight. skipped: a newer event took its place before the "
-            "receiver asked. dropped: the queue of a stream was full. passed_on: another member of the group got it. "
-            "abandoned: given up after failed attempts. lost: it was under way when the connection broke, when the "
-            "receiver died, when it was cut off, or when it left.\n\n"
-            "The receiver counts: received = processed + abandoned_by_receiver (its code threw) + duplicates (second "
-            "answers, refused) + discarded (not begun when it halted or left) + dropped_by_receiver (its queue was "
-            "full) "
-            "+ unmatched (no partner at the other inputs) + queued + in_hand; in the table R- stands for receiver. "
-            "missing is what was lost to the receiver for good, at either end.\n\n"
-            "FROM-HOST and TO-HOST: where the two ends run, as in `hivectl ps`; each is left out when all of its ends "
-            "run "
-            "on this machine, and null (-) if this hivectl does not know that end as a drone. "
-            "ROUND-TRIP: for a receiver on another machine, the shortest recent round trip; a receiver asks for WINDOW "
-            "events "
-            "ahead, "
-            "so window / round trip is the most that comes through in a second, and stderr says when more would help. "
-            "STATE: connected; waiting, when the receiver is not registered; place_kept, when the receiver was cut off "
-            "and the sender keeps what is its own; gone. KNOWN-BY sender: the receiver is an application, or does not "
-            "know of it; receiver: the sender does not run. WHY: why nothing moves. ENCODING and BY: how bodies "
-            "travel, through shared memory or through the socket.\n\n"
-            "More keys of --json: kind (receiver, member, group), delivery, way, shared and fallback (bodies that went "
-            "through shared memory, and that could not), waiting (of in_flight: not yet sent), age_us, clock_offset_us "
-            "(the sender's clock minus the receiver's, "
-            "when they are on two machines; ages are corrected by it), window_advised, error.",
-        .examples = "hivectl connections\n"
-                    "hivectl connections camera --json | jq -r '.[].to'",
-        .timeout = "how long to wait for drones that do not answer (default 1)",
-        .table = true,
-        .operands = {Operand::drone},
-        .declare = declare};
+    return {.name = "connections",
+            .alias = "edges",
+            .group = "connections",
+            .usage = "[NAME...] [options]",
+            .summary = "Lists connections, with the counters of both ends",
+            .details =
+                "One row for each connection, and one for each group that shares work. Columns that are 0 or empty in "
+                "every row are omitted; --json has all of them.\n\n"
+                "The sender counts: came = acknowledged + skipped + dropped + passed_on + abandoned + lost_connection "
+                "+ lost_killed + lost_cut_off + lost_left + in_flight. skipped: replaced by a newer event before the "
+                "receiver asked. dropped: the queue of a stream was full. passed_on: reassigned to another group "
+                "member. abandoned: given up after failed attempts. lost: in flight when the connection broke, or when "
+                "the receiver died, was cut off or left.\n\n"
+                "The receiver counts: received = processed + abandoned_by_receiver (its code threw) + duplicates "
+                "(rejected) + discarded (not started when it halted or left) + dropped_by_receiver (its queue was "
+                "full) + unmatched (no matching event at the other inputs) + queued + in_hand; in the table R- stands "
+                "for receiver. missing: events that the receiver will never process.\n\n"
+                "FROM-HOST and TO-HOST: where the two ends run, as in `hivectl ps`; each is omitted if all of its ends "
+                "run on this machine, and null (-) if hivectl does not know that end as a drone. ROUND-TRIP: for a "
+                "receiver on another machine, the shortest recent round trip; a receiver requests WINDOW events ahead, "
+                "so window / round trip limits the events per second; stderr says when a larger window would help. "
+                "STATE: connected; waiting: the receiver is not registered; place_kept: it was cut off, and the sender "
+                "keeps its events; gone. KNOWN-BY sender: the receiver is an application, or has not reported it; "
+                "receiver: the sender does not run. WHY: the stall reason. ENCODING and BY: encoding and transport of "
+                "the bodies (shared memory or socket).\n\n"
+                "More keys of --json: kind (receiver, member, group), delivery, way, shared and fallback (bodies in "
+                "shared memory, and bodies that did not fit there), waiting (the part of in_flight that is not sent "
+                "yet), age_us, clock_offset_us (the sender's clock minus the receiver's, between two machines; ages "
+                "are corrected by it), window_advised, error.",
+            .examples = "hivectl connections\n"
+                        "hivectl connections camera --json | jq -r '.[].to'",
+            .timeout = "how long to wait for drones that do not answer (default 1)",
+            .table = true,
+            .operands = {Operand::drone},
+            .declare = declare};
 }
 
 }  // namespace hivectl::connections_verb

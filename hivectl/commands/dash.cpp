@@ -45,9 +45,7 @@ try {
 Run declare(CommandLine& line, Session& session)
 {
     auto port = std::make_shared<int>(usual_port);
-    line.option("--http", *port, "port of this machine at which the page is served (default 7690)")
-        .type_name("PORT")
-        .between(1, 65535);
+    line.option("--http", *port, "port of the page on this machine (default 7690)").type_name("PORT").between(1, 65535);
     return [port, &session] { return run(*port, session); };
 }
 
@@ -59,19 +57,18 @@ Verb verb()
             .group = "results",
             .usage = "[--http PORT] [options]",
             .summary = "Shows the swarm in a browser: graph, rates, live images, parameters",
-            .details =
-                "Prints the address to open in a browser on this machine, and serves it until Ctrl-C. The page shows "
-                "drones and connections as a graph, the verdict of hivectl audit and the first cause of hivectl "
-                "explain. A drone that is selected shows its live images, parameters, rates, exceptions and log, and "
-                "can be halted, resumed, replaced and stopped; a connection shows what both ends have counted, and "
-                "takes another window, transfer or encoding.\n\n"
-                "Whoever knows the address can change the swarm. Its token is kept in dash.token, in the directory "
-                "where drones meet, so an open page goes on when hivectl dash is started again. The graph needs the "
-                "package graphviz; without it the drones are listed. A shown image is a receiver of its output: a "
-                "source with pace=demand that has no other receiver produces for it.",
+            .details = "Prints the address to open in a browser on this machine, and serves it until Ctrl-C. The page "
+                       "shows the graph of drones and connections, the result of hivectl audit and the first cause of "
+                       "hivectl explain. For a selected drone it shows live images, parameters, rates, exceptions and "
+                       "log, and can halt, resume, replace or stop it; for a connection it shows the counters of both "
+                       "ends, and can change window, transfer and encoding.\n\n"
+                       "Anyone with the address can change the swarm. Its token is saved in dash.token in the runtime "
+                       "directory, so an open page reconnects when hivectl dash is restarted. The graph needs the "
+                       "package graphviz; without it the drones are listed. A live image is a receiver of its output: "
+                       "a source with pace=demand and no other receiver produces for it.",
             .examples = "hivectl dash\n"
                         "hivectl dash --http 8080",
-            .timeout = "give up what the page asks of drones after this long (default 5)",
+            .timeout = "how long drones may take to answer a request of the page (default 5)",
             .operands = {},
             .declare = declare};
 }

@@ -105,7 +105,7 @@ Verb verb()
             .group = "run drones",
             .usage = "NAME... [options]",
             .summary = "Shows the inputs, outputs and parameters of a drone",
-            .details = "Inputs and outputs are shown with their media types; parameters with their present value, "
+            .details = "Inputs and outputs are shown with their media types; parameters with their current value, "
                        "default, type, range and unit. With --json, one object per drone.",
             .examples = "hivectl describe face\n"
                         "hivectl describe face --json | jq .parameters",

@@ -40,7 +40,7 @@ public:
     {
         if (number_ < 0)
             throw hive::Error(hive::Errc::refused, "cannot use " + path + ": " + std::strerror(errno),
-                              errno == EACCES ? "become a member of the group video: adduser NAME video" : "");
+                              errno == EACCES ? "join the video group: adduser NAME video" : "");
     }
     ~Descriptor() { ::close(number_); }
     Descriptor(const Descriptor&) = delete;
@@ -90,7 +90,7 @@ int run(Session& session)
                 {"FPS", "fps", as_rates}},
                rows);
     if (rows.empty() && outcome.exit_code() == exit_code::done)
-        complain("devices", "there is no V4L2 camera at this machine");
+        complain("devices", "no V4L2 camera on this machine");
     return outcome.exit_code();
 }
 
@@ -106,10 +106,9 @@ Verb verb()
     return {.name = "devices",
             .group = "run drones",
             .usage = "[options]",
-            .summary = "Lists the V4L2 cameras of this machine, with their formats",
-            .details =
-                "One line for each format and size, with the pictures a second at which they can be had; all "
-                "three can be chosen: hivectl set camera source=DEVICE format=MJPG width=1280 height=720 fps=30.",
+            .summary = "Lists the V4L2 cameras of this machine and their formats",
+            .details = "One line per format and size, with the supported frame rates. To choose: hivectl set camera "
+                       "source=DEVICE format=MJPG width=1280 height=720 fps=30.",
             .examples = "hivectl devices",
             .table = true,
             .declare = declare};

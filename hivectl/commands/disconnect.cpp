@@ -52,8 +52,8 @@ Verb verb()
             .group = "connections",
             .usage = "SENDER[.OUTPUT] RECEIVER[.INPUT]... [options]",
             .summary = "Ends a connection",
-            .details = "Without ports, it ends every connection between the two drones. A receiver that does not run "
-                       "any more is forgotten by its sender: a source that waited for it goes on.",
+            .details = "Without ports, ends every connection between the two drones. If the receiver has exited, its "
+                       "sender forgets it, and a source stops waiting for it.",
             .examples = "hivectl disconnect camera face\n"
                         "hivectl disconnect camera 'face-*'",
             .operands = {Operand::sender, Operand::receiver},

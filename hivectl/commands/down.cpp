@@ -32,7 +32,7 @@ int run(const SwarmInput& input, Session& session)
     if (plans.empty() && !input.file.empty())
         return exit_code::refused;
     if (plans.empty())
-        complain("down", "no swarm was brought up from here");
+        complain("down", "no swarm was brought up here");
     int code = exit_code::done;
     for (const auto& plan : plans) {
         if (interrupt::requested()) {
@@ -67,14 +67,14 @@ Verb verb()
     return {.name = "down",
             .group = "a swarm from a file",
             .usage = "[FILE] [options]",
-            .summary = "Ends the drones that a swarm brought up",
-            .details = "Prints the names of the drones that ended. A drone that another swarm or a person started is "
-                       "left alone, and stderr says so. Sources take nothing more, and each drone ends as "
-                       "soon as it has handed on what it had, so that nothing lossless is lost unless its receiver "
-                       "does not take it in time. Ctrl-C has it wait no longer, and leaves the swarms that come after.",
+            .summary = "Stops the drones of a swarm",
+            .details = "Prints the names of the stopped drones. Drones that another swarm or a user started are left "
+                       "alone and listed on stderr. Sources stop first; each drone exits once its events are "
+                       "delivered, so a lossless event is lost only if its receiver does not take it in time. Ctrl-C "
+                       "ends the wait, and skips the remaining swarms.",
             .examples = "hivectl down\n"
                         "hivectl down doorway.json",
-            .timeout = "for events on their way; then they are lost (default 10)",
+            .timeout = "wait for events in flight, then drop them (default 10)",
             .operands = {Operand::file},
             .declare = declare};
 }

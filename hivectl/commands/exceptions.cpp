@@ -185,18 +185,18 @@ Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
     line.option("NAME", options->names, "drones or globs (default: all that run)");
-    const auto following = line.flag("-f,--follow", options->follow, "print each one as it happens, until Ctrl-C");
-    line.option("-n", options->count, "with --follow: end after this many")
+    const auto following = line.flag("-f,--follow", options->follow, "print exceptions as they happen, until Ctrl-C");
+    line.option("-n", options->count, "with --follow: exit after this many")
         .type_name("N")
         .between(std::int64_t{1}, std::int64_t{1} << 53)
         .needs(following);
     const auto saving = line.option("--save", options->save,
                                     "write each kept input to this directory: NAME-NO.INPUT.jpg (.png, .txt, .bin), "
-                                    "beside a .json with its header and the failure; no file is written over")
+                                    "and a .json with its header and the failure; overwrites nothing")
                             .type_name("DIR")
                             .excludes(following);
     line.option("--on-exception", options->policy,
-                "change what the drones do from now on: skip the input and go on, or halt until resumed")
+                "set the exception policy: skip the input and continue, or halt until resumed")
         .type_name("skip|halt")
         .one_of({"skip", "halt"})
         .excludes(following)
@@ -212,14 +212,13 @@ Verb verb()
         .name = "exceptions",
         .group = "errors",
         .usage = "[NAME...] [--follow | --save DIR | --on-exception skip|halt] [options]",
-        .summary = "Shows what went wrong in drones, or changes what they do then",
-        .details = "When a drone's code throws, the drone reports an exception. Without options, this shows the last "
-                   "one of each drone, and each failure whose input is kept, with its number (NO): also those that the "
-                   "drone died of. The drone itself keeps what its code threw at; its sender keeps what a drone had in "
-                   "hand that died, was cut off, or held it beyond its lease. On each machine the last 4 failures of a "
-                   "drone are kept, 64 MiB in all. A drone that dies has failed at the first event that it had not "
-                   "finished, as far as its sender knows; with several senders, one of each is kept. "
-                   "`hivectl rerun` gives a kept input to a fresh drone.",
+        .summary = "Shows drones' exceptions, or sets their exception policy",
+        .details = "A drone whose code throws reports an exception. Without options, shows the last one of each drone, "
+                   "and each failure whose input is kept, crashes included, with its number (NO). A drone keeps the "
+                   "input that its code threw at; a sender keeps the events that a receiver was processing when it "
+                   "crashed, was disconnected, or exceeded its lease. Each machine keeps the last 4 failures of a "
+                   "drone, and 64 MiB in all. A crash counts as a failure at the first unfinished event of each "
+                   "sender. `hivectl rerun` reruns a kept input in a new drone.",
         .examples = "hivectl exceptions\n"
                     "hivectl exceptions face --follow\n"
                     "hivectl exceptions face --save broken\n"

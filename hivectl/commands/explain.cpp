@@ -94,24 +94,22 @@ Verb verb()
         .name = "explain",
         .group = "errors",
         .usage = "[NAME | SENDER RECEIVER] [options]",
-        .summary = "Says why nothing comes, and which command helps",
+        .summary = "Finds the cause of a stall, with a command that fixes it",
         .details =
-            "Follows the events from what you name back to the sources, and looks at the drones for which these "
-            "wait. Prints what holds them up, with evidence and a command to try; of several causes the one "
-            "nearest to the source comes first, and then what only slows them down, such as processors that are all "
-            "busy. If nothing holds them up, prints the events per second of each "
-            "drone on the way. Looks twice, 300 ms apart.\n\n"
-            "The exit code is 9 if something holds them up, and 0 if they run, even if slowly.\n\n"
-            "--json prints one object: text (one line; empty: nothing), flows (drone, received_per_s, "
-            "emitted_per_s, age_us), and causes with the keys what, drone, connection, text, evidence, command "
-            "and blocks (false: it only slows down). what is one of: not_running, crashed, failed, suspended, "
-            "no_answer, unreachable, refused, starting, halted, set_prepared, throws, stuck, source_ended, "
-            "condition, not_connected, wrong_way, wrong_types, dialing, held, no_receiver, watched, "
-            "receiver_away, waits, slow, slow_connection, small_window, copied, encoder, clock, load, memory, "
-            "same_name, emits_nothing, silent_source.",
+            "Follows the events from the named drone back to the sources, and to the drones that these wait for. "
+            "Prints what blocks the events, with evidence and a command to try: first the causes, the nearest to the "
+            "source on top, then what only slows the events, such as busy processors. If nothing blocks them, prints "
+            "the events per second of each drone on the path. Takes two samples, 300 ms apart.\n\n"
+            "The exit code is 9 if something blocks the events, and 0 if they flow, even if slowly.\n\n"
+            "--json prints one object: text (one line; empty: nothing), flows (drone, received_per_s, emitted_per_s, "
+            "age_us), and causes with the keys what, drone, connection, text, evidence, command and blocks (false: it "
+            "only slows down). what is one of: not_running, crashed, failed, suspended, no_answer, unreachable, "
+            "refused, starting, halted, set_prepared, throws, stuck, source_ended, condition, not_connected, "
+            "wrong_way, wrong_types, dialing, held, no_receiver, watched, receiver_away, waits, slow, slow_connection, "
+            "small_window, copied, encoder, clock, load, memory, same_name, emits_nothing, silent_source.",
         .examples = "hivectl explain face\n"
                     "hivectl explain camera face --json | jq .flows",
-        .timeout = "a drone that has not answered by then does not answer (default 1)",
+        .timeout = "how long to wait for the answer of a drone (default 1)",
         .table = true,
         .operands = {Operand::sender, Operand::receiver},
         .declare = declare};

@@ -77,7 +77,7 @@ void write_form(const hive::SwarmPlan& plan, const Options& options, bool json)
     if (options.folder.empty() && files.size() > 1 && !json)
         throw hive::Error(hive::Errc::invalid_argument,
                           options.form + " takes " + std::to_string(files.size()) + " files",
-                          "say which folder they go to: --to FOLDER");
+                          "choose an output folder: --to FOLDER");
     for (const auto& file : files) {
         const auto path = std::filesystem::path(options.folder) / file.name;
         if (!options.folder.empty())
@@ -121,20 +121,17 @@ Run declare(CommandLine& line, Session& session)
     line.option("--swarm", options->swarm, "the name of the swarm (default: the one that was brought up from here)")
         .type_name("NAME");
     declare_variables(line, options->from);
-    const auto form =
-        line.option(
-                "--as", options->form,
-                "write it for what is to run it: units of systemd, a compose file, manifests of Kubernetes, a script "
-                "for sbatch, or a script of hivectl")
-            .type_name("FORM")
-            .one_of(hive::export_forms());
+    const auto form = line.option("--as", options->form,
+                                  "output format: systemd units, a compose file, Kubernetes manifests, an sbatch "
+                                  "script, or a shell script of hivectl commands")
+                          .type_name("FORM")
+                          .one_of(hive::export_forms());
     line.option("--from", options->from.file, "write that swarm file instead of what runs; -: stdin").type_name("FILE");
     line.option("--to", options->folder, "write the files of --as there, and print their names")
         .type_name("FOLDER")
         .needs(form);
-    line.option("--image", options->image, "of the containers (default hive:latest)").type_name("NAME");
-    line.flag("--metrics", options->metrics,
-              "with compose and kubernetes: add a container that serves hivectl metrics to Prometheus")
+    line.option("--image", options->image, "container image (default hive:latest)").type_name("NAME");
+    line.flag("--metrics", options->metrics, "with compose and kubernetes: add a container for hivectl metrics --http")
         .needs(form);
     return [options, &session] { return run(*options, session); };
 }
@@ -143,21 +140,22 @@ Run declare(CommandLine& line, Session& session)
 
 Verb verb()
 {
-    return {.name = "export",
-            .group = "a swarm from a file",
-            .usage = "[NAME...] [options]",
-            .summary = "Writes the drones that run, their parameters and connections as a swarm file",
-            .details = "hivectl up of that file changes nothing here, and where nothing runs it makes the same swarm. "
-                       "Parameters that have their default are left out; passwords among the others are not. When a "
-                       "drone is to be restarted is taken from the file of the swarm that was brought up from here.\n\n"
-                       "With --as, the command line of each drone alone is enough for it to come back with its "
-                       "parameters and its connections, whatever starts it.",
-            .examples = "hivectl export > doorway.json\n"
-                        "hivectl export camera 'face-*' > faces.json\n"
-                        "hivectl export --from doorway.json --as systemd --to units\n"
-                        "hivectl export --from doorway.json --as compose > compose.yaml",
-            .operands = {Operand::drone},
-            .declare = declare};
+    return {
+        .name = "export",
+        .group = "a swarm from a file",
+        .usage = "[NAME...] [options]",
+        .summary = "Writes the running drones, parameters and connections as a swarm file",
+        .details =
+            "hivectl up with that file changes nothing here, and starts the same swarm elsewhere. Default parameters "
+            "are omitted; passwords are not. The \"restart\" of a drone is taken from the file of the swarm that was "
+            "brought up here.\n\n"
+            "With --as, each drone's command line alone restores its parameters and connections, whatever starts it.",
+        .examples = "hivectl export > doorway.json\n"
+                    "hivectl export camera 'face-*' > faces.json\n"
+                    "hivectl export --from doorway.json --as systemd --to units\n"
+                    "hivectl export --from doorway.json --as compose > compose.yaml",
+        .operands = {Operand::drone},
+        .declare = declare};
 }
 
 }  // namespace hivectl::export_verb

@@ -68,9 +68,9 @@ Verb verb()
             .group = "parameters",
             .usage = "NAME [PARAMETER...] [options]",
             .summary = "Reads parameters",
-            .details = "A single parameter of one drone is printed as it is, several as key=value, and those of a glob "
-                       "with the name of the drone before them. Drones answer even while they are busy. With --json "
-                       "this prints an object of values; with a glob, one object {\"drone\", \"values\"} per line.",
+            .details = "Prints a single parameter of one drone bare, several as key=value, and those of a glob after "
+                       "the drone's name. Drones answer even while they are busy. With --json this prints an object of "
+                       "values; with a glob, one object {\"drone\", \"values\"} per line.",
             .examples = "hivectl get face scale\n"
                         "hivectl get face\n"
                         "hivectl get 'face-*' scale",

@@ -46,15 +46,14 @@ Verb verb()
     return {.name = "graph",
             .group = "connections",
             .usage = "[--as text|dot|svg|json] [options]",
-            .summary = "Shows what the swarm is made of: machines, drones and connections",
-            .details =
-                "Each drone stands under its machine (local: this one), with its kind, its state and what it sends "
-                "to whom. In dot and svg machines are frames, applications are dashed, and connections that are "
-                "not there now are dotted. svg needs the package graphviz. json has drones (name, host, kind, "
-                "state) and connections (from, to, group, connected); host is empty for an application.",
+            .summary = "Shows the machines, drones and connections of the swarm",
+            .details = "Lists each drone under its machine (local: this one), with its kind, state and receivers. In "
+                       "dot and svg, machines are frames, applications are dashed, and lost connections are dotted. "
+                       "svg needs the package graphviz. json has drones (name, host, kind, state) and connections "
+                       "(from, to, group, connected); host is empty for an application.",
             .examples = "hivectl graph\n"
                         "hivectl graph --as dot > swarm.dot",
-            .timeout = "a drone that has not answered by then is shown as silent (default 1)",
+            .timeout = "show a drone as silent if it has not answered by then (default 1)",
             .operands = {},
             .declare = declare};
 }

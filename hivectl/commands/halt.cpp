@@ -9,10 +9,10 @@ Verb verb()
     return {.name = "halt",
             .group = "errors",
             .usage = "NAME... [options]",
-            .summary = "Makes drones stop taking events until they are resumed",
-            .details = "Prints the names of the drones. They finish what they are working on. Parameters can still be "
-                       "set, and ps, get and describe still work. To make a drone halt by itself when its code throws, "
-                       "use hivectl exceptions NAME --on-exception halt.",
+            .summary = "Makes drones accept no events until they are resumed",
+            .details = "Prints the names of the drones. They finish their current event. Parameters can still be set, "
+                       "and ps, get and describe still work. To halt a drone automatically when its code throws, use "
+                       "hivectl exceptions NAME --on-exception halt.",
             .examples = "hivectl halt face\n"
                         "hivectl halt 'face-*'",
             .operands = {Operand::drone},

@@ -54,7 +54,7 @@ int make(const Options& options, const Session& session)
     const auto file = file_of(options);
     const auto key = hive::new_swarm_key(now_s());
     hive::write_key_file(file, {key}, hive::KeyFileMode::fresh);
-    return told(key, file, "the key " + key.id + " lets machines into the swarm; hand it over: " + handed_over(file),
+    return told(key, file, "the key " + key.id + " lets machines join the swarm; copy it: " + handed_over(file),
                 session);
 }
 
@@ -66,8 +66,8 @@ std::vector<hive::SwarmKey> members_keys(const fs::path& file)
                           "do this on a machine that has the members' key");
     std::erase_if(keys, [now = now_s()](const hive::SwarmKey& key) { return !hive::holds(key, now); });
     if (keys.empty())
-        throw hive::Error(hive::Errc::not_permitted, "no key in " + file.string() + " holds any longer",
-                          "copy the swarm's present one from a machine that has it");
+        throw hive::Error(hive::Errc::not_permitted, "every key in " + file.string() + " has expired",
+                          "copy the current key from another machine");
     return keys;
 }
 
@@ -80,8 +80,7 @@ int view(const Options& options, const Session& session)
     for (const auto& key : members_keys(file))
         keys.push_back(hive::viewers_key(key));
     hive::write_key_file(target, keys, options.replace ? hive::KeyFileMode::replace : hive::KeyFileMode::fresh);
-    return told(keys.front(), target,
-                "whoever has this key may look and receive, and change nothing; hand it over: " + handed_over(target),
+    return told(keys.front(), target, "holders of this key can only read and receive; copy it: " + handed_over(target),
                 session);
 }
 
@@ -99,10 +98,10 @@ int rotate(const Options& options, const Session& session)
     keys.insert(keys.begin(), hive::new_swarm_key(now_s()));
     keys.resize(std::min<std::size_t>(keys.size(), 8));
     hive::write_key_file(file, keys, hive::KeyFileMode::replace);
-    const auto old = keys.size() == 1 ? "the old key holds no longer"
+    const auto old = keys.size() == 1 ? "the old key has expired"
                                       : "the old key holds for "
                                             + duration_text(static_cast<std::int64_t>(options.keep_s * 1e6)) + " more";
-    return told(keys.front(), file, old + "; meanwhile hand over the new one: " + handed_over(file), session);
+    return told(keys.front(), file, old + "; copy the new key meanwhile: " + handed_over(file), session);
 }
 
 int show(const Options& options, const Session& session)
@@ -140,19 +139,17 @@ int run(const Options& options, const Session& session)
 Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
-    line.option(
-            "ACTION", options->action,
-            "new: make the swarm's key; view: derive a key that only lets its holder look and receive; rotate: replace "
-            "the key; show: list the keys without their secrets")
+    line.option("ACTION", options->action,
+                "new: create the swarm's key; view: derive a read-only key; rotate: replace the key; show: list the "
+                "keys without their secrets")
         .required()
         .one_of({"new", "view", "rotate", "show"});
     line.option("--file", options->file, "the key file (default: $HIVE_KEY, or ~/.config/hive/swarm.key)")
         .type_name("FILE");
-    line.option("-o,--output", options->output,
-                "view: where the viewers' key goes (default: viewer.key beside the key)")
+    line.option("-o,--output", options->output, "view: output file (default: viewer.key next to the swarm key)")
         .type_name("FILE");
-    line.flag("--replace", options->replace, "view: over an older viewers' key");
-    line.option("--keep", options->keep_s, "rotate: how long the old key goes on to hold (default: 86400, a day)")
+    line.flag("--replace", options->replace, "view: replace an existing file");
+    line.option("--keep", options->keep_s, "rotate: how long the old key stays valid (default: 86400, a day)")
         .type_name("SECONDS")
         .seconds(0);
     return [options, &session] { return run(*options, session); };
@@ -165,15 +162,14 @@ Verb verb()
     return {.name = "key",
             .group = "on several machines",
             .usage = "new|view|rotate|show [options]",
-            .summary = "Makes, changes and shows the key that lets machines into the swarm",
-            .details =
-                "Whoever has the key may come in over TCP (start --listen) and do all that hivectl can do; whoever "
-                "has the viewers' key may look and receive. Prints the file that was written; the other machines "
-                "get a copy of it, at the same place. Running drones notice a new file within a second.",
+            .summary = "Creates, rotates and shows the key that machines need to join",
+            .details = "Key holders can connect over TCP (start --listen) and do all that hivectl can do; viewers can "
+                       "read and receive. Prints the file that was written; copy it to the same path on the other "
+                       "machines. Running drones notice a new file within a second.",
             .examples = "hivectl key new  once for a swarm\n"
                         "hivectl key show\n"
-                        "hivectl key view  for who may look only\n"
-                        "hivectl key rotate --keep 3600  the old key holds for one more hour",
+                        "hivectl key view  for viewers\n"
+                        "hivectl key rotate --keep 3600  the old key expires after an hour",
             .timeout = "has no effect here",
             .table = true,
             .operands = {Operand::other},

@@ -43,7 +43,7 @@ std::streamoff print_last(const std::filesystem::path& file, const Options& opti
 {
     std::ifstream in(file, std::ios::binary);
     if (!in)
-        throw hive::Error(hive::Errc::not_found, "nothing was written by a drone " + options.name + " here",
+        throw hive::Error(hive::Errc::not_found, "there is no log of " + options.name + " here",
                           "see what runs: hivectl ps");
     std::deque<std::string> last;
     std::streamoff read = 0;
@@ -100,8 +100,7 @@ int read_there(const hive::Place& place, const Options& options, Session& sessio
 {
     if (place.ssh.empty())
         throw hive::Error(hive::Errc::refused,
-                          place.drone + " at " + place_text(place)
-                              + " was not started through ssh, so its log is there",
+                          place.drone + " at " + place_text(place) + " was not started over ssh; its log is there",
                           "ask there: hivectl logs " + place.drone);
     const hive::Remote remote(place.ssh, session.home());
     std::vector<std::string> words{"logs", place.drone, "-n", std::to_string(options.lines)};
@@ -135,9 +134,11 @@ int run(const Options& options, Session& session)
 Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
-    line.option("NAME", options->name, "a drone, also one that has crashed").required();
-    line.option("-n", options->lines, "how many of the last lines (default 100)").type_name("N").between(1, 1'000'000);
-    line.flag("-f,--follow", options->follow, "go on with what is written from now on, until Ctrl-C");
+    line.option("NAME", options->name, "a drone, running or crashed").required();
+    line.option("-n", options->lines, "number of lines from the end (default 100)")
+        .type_name("N")
+        .between(1, 1'000'000);
+    line.flag("-f,--follow", options->follow, "keep printing new lines until Ctrl-C");
     return [options, &session] { return run(*options, session); };
 }
 
@@ -148,12 +149,12 @@ Verb verb()
     return {.name = "logs",
             .group = "run drones",
             .usage = "NAME [-n LINES] [--follow] [options]",
-            .summary = "Prints the last lines that a drone has written, wherever it runs",
-            .details = "On this machine it reads NAME.log in the directory where drones meet, which hivectl start has "
-                       "begun. It ends with the stack of a drone that died of a signal such as SIGSEGV. The log of a "
-                       "drone that was started with --on is read through ssh; that of a step of Slurm lies here.",
+            .summary = "Prints the end of a drone's log, wherever it runs",
+            .details = "On this machine it reads NAME.log in the runtime directory, created by hivectl start. After a "
+                       "crash (a signal such as SIGSEGV) it ends with the stack. The log of a drone that was started "
+                       "with --on is read over ssh; that of a Slurm step is on this machine.",
             .examples = "hivectl logs face -n 5",
-            .timeout = "how long to wait for the other machine (default 5), or to follow (default: for ever)",
+            .timeout = "how long to wait for the other machine (default 5), or to follow (default: forever)",
             .operands = {Operand::drone},
             .declare = declare};
 }

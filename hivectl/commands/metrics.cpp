@@ -119,13 +119,14 @@ Run declare(CommandLine& line, Session& session)
             .type_name("PORT")
             .excludes(form);
     const auto token = line.option("--token-file", options->token_file,
-                                   "file whose first line scrapers have to send as their bearer token")
+                                   "file whose first line is the bearer token that scrapers must send")
                            .type_name("FILE")
                            .needs(http);
-    line.flag("--insecure", options->insecure, "let every machine that reaches the address read, without a token")
+    line.flag("--insecure", options->insecure,
+              "allow scrapes without a token from every machine that can reach the address")
         .needs(http)
         .excludes(token);
-    line.option("--place", options->places, "write the place of a drone of another machine into the list of places")
+    line.option("--place", options->places, "add the address of a drone on another machine, as hivectl place add does")
         .type_name("NAME=ADDRESS")
         .one_each();
     return [options, &session] { return run(*options, session); };
@@ -135,25 +136,25 @@ Run declare(CommandLine& line, Session& session)
 
 Verb verb()
 {
-    return {.name = "metrics",
-            .group = "errors",
-            .usage = "[--as FORM | --http [ADDRESS:]PORT] [options]",
-            .summary = "Prints what the swarm counts, or serves it to Prometheus",
-            .details =
-                "Asks all drones that hivectl ps lists, and prints one sample for each count and state: events by "
-                "output, connection, group and input, with what became of them, busy time, exceptions, ages. A drone "
-                "that does not answer, or crashed, has hive_drone_up 0. The text is in the form 0.0.4 of Prometheus, "
-                "or in OpenMetrics 1.0.0.\n\n"
-                "With --http, the drones are asked at each scrape. On this machine alone (the default) no token is "
-                "needed, since counts are no pictures; at other addresses scrapers send the token of --token-file, "
-                "which prometheus.yml names as authorization: credentials_file. The connection is not encrypted. "
-                "Rules for alerts and a dashboard for Grafana are installed in share/hive.",
-            .examples = "hivectl metrics | grep hive_drone_up\n"
-                        "hivectl metrics --http 9464\n"
-                        "hivectl metrics --http 0.0.0.0:9464 --token-file metrics.token",
-            .timeout = "a drone that has not answered by then does not answer (default 1)",
-            .operands = {},
-            .declare = declare};
+    return {
+        .name = "metrics",
+        .group = "errors",
+        .usage = "[--as FORM | --http [ADDRESS:]PORT] [options]",
+        .summary = "Prints the counters of the swarm, or serves them to Prometheus",
+        .details =
+            "Queries all drones that hivectl ps lists, and prints one sample per counter and state: events by output, "
+            "connection, group and input, with their outcomes, busy time, exceptions, ages. A drone that does not "
+            "answer, or crashed, has hive_drone_up 0. The format is Prometheus 0.0.4 or OpenMetrics 1.0.0.\n\n"
+            "With --http, the drones are queried at each scrape. On this machine only (the default) no token is "
+            "needed; at other addresses scrapers send the token in --token-file, as set in prometheus.yml under "
+            "authorization: credentials_file. The connection is not encrypted. Alerting rules and a Grafana dashboard "
+            "are installed in share/hive.",
+        .examples = "hivectl metrics | grep hive_drone_up\n"
+                    "hivectl metrics --http 9464\n"
+                    "hivectl metrics --http 0.0.0.0:9464 --token-file metrics.token",
+        .timeout = "how long to wait for the answer of a drone (default 1)",
+        .operands = {},
+        .declare = declare};
 }
 
 }  // namespace hivectl::metrics_verb

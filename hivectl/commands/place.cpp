@@ -65,7 +65,7 @@ std::optional<hive::Place> known_as(hive::Application& application, const hive::
 int add(const Options& options, Session& session)
 {
     if (options.words.size() != 2)
-        throw hive::Error(hive::Errc::invalid_argument, "a place is a name and an address",
+        throw hive::Error(hive::Errc::invalid_argument, "give a name and an address",
                           "for example: hivectl place add camera tcp://cam1:7700");
     auto& application = session.application(2s);
     const hive::Place place{.drone = options.words[0], .host = host_of(options.words[1]), .address = options.words[1]};
@@ -83,7 +83,7 @@ int add(const Options& options, Session& session)
         throw *answer.error;
     if (known)
         throw hive::Error(hive::Errc::name_taken, place.drone + " is known already, at " + place_text(*known),
-                          "there is nothing to do");
+                          "nothing to add");
     write_out(session.json ? row_of(place).json() + "\n" : place.drone + " " + place_text(place) + "\n");
     return exit_code::done;
 }
@@ -106,7 +106,7 @@ std::vector<hive::Place> meant_by(const std::string& word, hive::Application& ap
 int remove(const Options& options, Session& session)
 {
     if (options.words.empty())
-        throw hive::Error(hive::Errc::invalid_argument, "no place is named", "see them: hivectl place list");
+        throw hive::Error(hive::Errc::invalid_argument, "no name is given", "see them: hivectl place list");
     auto& application = session.application();
     Outcome outcome("place");
     for (const auto& word : options.words)
@@ -146,14 +146,13 @@ Verb verb()
     return {.name = "place",
             .group = "run drones",
             .usage = "add NAME ADDRESS | list | remove NAME...",
-            .summary = "Tells this machine where drones on other machines are",
-            .details = "Drones that were started from here with hivectl start --on are in the list already, and leave "
-                       "it when they are stopped. Others are added with the address at which they listen; from then on "
-                       "every verb finds them by their names. A place is written down only if the drone answers there. "
-                       "Where several drones have one name, NAME@HOST means one of them.",
+            .summary = "Manages the addresses of drones on other machines",
+            .details = "hivectl start --on adds its drones, and stop removes them. Others are added with their "
+                       "listening address; every verb then finds them by name. An address is saved only if the drone "
+                       "answers there. If several drones have one name, NAME@HOST picks one.",
             .examples = "hivectl place list\n"
                         "hivectl place list --json | jq -r '.[].address'",
-            .timeout = "how long to wait for the drone that is added (default 2)",
+            .timeout = "how long to wait for the added drone (default 2)",
             .table = true,
             .operands = {Operand::other, Operand::drone},
             .declare = declare};

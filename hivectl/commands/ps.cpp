@@ -240,33 +240,28 @@ Run declare(CommandLine& line, Session& session)
 
 Verb verb()
 {
-    return {
-        .name = "ps",
-        .alias = "list",
-        .group = "run drones",
-        .usage = "[NAME...] [options]",
-        .summary = "Lists the drones that run, on this machine and on those that it knows of",
-        .details =
-            "STATE is starting, idle, busy, halted or stopping (on a terminal also sending, for a source that emits "
-            "events, and DONE is how far it is in its file), or silent for a drone that runs but does not answer, "
-            "or unreachable for one on another machine that does not, or crashed for one of this machine that died of "
-            "a signal such as SIGSEGV and was not started again since, or failed for one that crashes again and "
-            "again under hivectl up --stay. HOST is where it runs; the column is left out when "
-            "all run on this machine. SWARM is the one that brought it up, whose hivectl down ends it. Drones of other "
-            "machines are those of the list of places (hivectl place), and "
-            "those that announce themselves on the local network and have this swarm's key. "
-            "BUSY is the share of its lifetime that its code was working. NOTE says what the drone reports about its "
-            "world, why it or one of its outputs or inputs stands still, what has kept it busy for more than a second, "
-            "its last exception, and how many events found no partner where several inputs belong together; of a "
-            "crash, when "
-            "it was, the signal, and the function of the drone's own code in which it was. The whole stack is in the "
-            "log: hivectl logs NAME.",
-        .examples = "hivectl ps\n"
-                    "hivectl ps --json | jq -r '.[] | select(.state == \"halted\").name'",
-        .timeout = "a drone that has not answered by then is shown as silent (default 1)",
-        .table = true,
-        .operands = {Operand::drone},
-        .declare = declare};
+    return {.name = "ps",
+            .alias = "list",
+            .group = "run drones",
+            .usage = "[NAME...] [options]",
+            .summary = "Lists the drones running on this and other known machines",
+            .details =
+                "STATE is starting, idle, busy, halted or stopping; on a terminal also sending (a source that emits "
+                "events; DONE is its position in its file). silent: it runs but does not answer; unreachable: the same "
+                "on another machine; crashed: it died of a signal such as SIGSEGV and was not restarted; failed: it "
+                "crashes repeatedly under hivectl up --stay. HOST is its machine, omitted if all run on this one. "
+                "SWARM is the swarm that started it. Drones on other machines are those in hivectl place, and those "
+                "announced on the local network with this swarm's key. BUSY is the share of its uptime spent in its "
+                "code. NOTE has the condition that the drone reports, the stall reason of the drone, an output or an "
+                "input, what it has been busy with for over a second, its last exception, and the number of unmatched "
+                "events; after a crash the time, the signal, and the function of the drone's own code. The whole stack "
+                "is in the log: hivectl logs NAME.",
+            .examples = "hivectl ps\n"
+                        "hivectl ps --json | jq -r '.[] | select(.state == \"halted\").name'",
+            .timeout = "show a drone as silent if it has not answered by then (default 1)",
+            .table = true,
+            .operands = {Operand::drone},
+            .declare = declare};
 }
 
 }  // namespace hivectl::ps_verb

@@ -35,8 +35,7 @@ int run(const Options& options, Session& session)
 {
     const std::string type = options.type.empty() ? media_type_of(options.file) : options.type;
     if (type.empty())
-        throw hive::Error(hive::Errc::invalid_argument,
-                          "the ending of " + printable(options.file) + " says no media type",
+        throw hive::Error(hive::Errc::invalid_argument, "unknown media type of " + printable(options.file),
                           "add for example --type image/jpeg");
     const auto header = header_of(options.header);
     std::string content = text_of_file(options.file, most_bytes);
@@ -56,7 +55,7 @@ Run declare(CommandLine& line, Session& session)
     line.option("NAME", options->to, "drone or drone.input; the input may be left out when only one takes the type")
         .required();
     line.option("FILE", options->file, "what to send; - is stdin (then --type is needed)").required();
-    line.option("--type", options->type, "its media type (default: from the ending: .jpg .png .bmp .json .txt ...)")
+    line.option("--type", options->type, "media type (default: by extension: .jpg .png .bmp .json .txt ...)")
         .type_name("TYPE");
     line.option("--header", options->header, "a JSON object to go with it").type_name("JSON");
     return [options, &session] { return run(*options, session); };
@@ -69,9 +68,8 @@ Verb verb()
     return {.name = "put",
             .group = "results",
             .usage = "NAME[.INPUT] FILE [options]",
-            .summary = "Sends one file into a drone, as if another drone had sent it",
-            .details = "Returns when the drone has put the file into its queue. The results go to whoever receives "
-                       "them; see hivectl results.",
+            .summary = "Sends a file to a drone, as if another drone had sent it",
+            .details = "Returns once the drone has queued the file. Results go to its receivers; see hivectl results.",
             .examples = "hivectl put face photo.jpg\n"
                         "hivectl put face.image - --type image/png < photo.png",
             .operands = {Operand::receiver, Operand::file},

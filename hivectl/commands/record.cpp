@@ -98,7 +98,7 @@ int take_events(hive::Collector& collector, hive::recording::Writer& writer, Pro
             writer.finish(end->empty() ? "end of source" : "end of source: " + *end);
             return exit_code_at_end("record", *end);
         } else if (patience && Clock::now() - last >= *patience) {
-            complain("record", "nothing came for " + duration_text(*patience / 1us) + "; " + reason());
+            complain("record", "no event for " + duration_text(*patience / 1us) + "; " + reason());
             writer.finish("nothing came");
             return exit_code::timed_out;
         }
@@ -122,7 +122,7 @@ void note_losses(hive::Application& application, const hive::Collector& collecto
     for (const auto& loss : losses_now(application, collector.inputs()))
         writer.lost(loss.from, loss.reason, loss.events);
     if (const auto dropped = collector.counts().dropped; dropped > 0)
-        writer.lost("*", "dropped by hivectl: it could not write them in time", dropped);
+        writer.lost("*", "dropped by hivectl: it could not keep up", dropped);
 }
 
 void summarize(const std::string& file, const hive::recording::Writer& writer, bool json)
@@ -155,7 +155,7 @@ int exit_code_for(int code, const hive::recording::Writer& writer)
 {
     const bool any = writer.summary().events() > 0;
     if (!writer.failure().empty())
-        complain("record", writer.failure() + "; the file holds what came before");
+        complain("record", writer.failure() + "; earlier events are in the file");
     if (!writer.failure().empty())
         return any ? exit_code::partly_done : exit_code::failure;
     return writer.summary().lossless() || code != exit_code::done ? code : exit_code::partly_done;
@@ -199,18 +199,16 @@ Run declare(CommandLine& line, Session& session)
     line.option("--max-size", options->max_size, "end before the file grows larger")
         .type_name("MB")
         .megabytes(0.001, 1e9);
-    line.flag("--stay", options->stay, "wait for more when every source has come to its end");
+    line.flag("--stay", options->stay, "keep waiting after every source has ended");
     line.flag("--overwrite", options->overwrite, "replace the file if it is there");
     const auto notify = line.flag("--notify", options->notify, "headers without bodies");
     const auto stream = line.flag("--stream", options->stream,
-                                  "receive every event through the sender's queue, which drops events when it is full");
-    line.option("--window", options->window,
-                "how many events to ask for in advance; further ones are skipped (default 64)")
+                                  "receive every event through the sender's queue, which drops events when full");
+    line.option("--window", options->window, "events to request ahead; further ones are skipped (default 64)")
         .type_name("N")
         .between(1, 64)
         .excludes(stream);
-    line.option("--encoding", options->encoding,
-                "how pictures are recorded: raw, png, jpeg or jpeg:QUALITY (default: as they are)")
+    line.option("--encoding", options->encoding, "image encoding: raw, png, jpeg or jpeg:QUALITY (default: unchanged)")
         .type_name("NAME")
         .excludes(notify);
     return [options, &session] { return run(*options, session); };
@@ -223,12 +221,11 @@ Verb verb()
     return {.name = "record",
             .group = "recordings",
             .usage = "NAME[.OUTPUT]... -o FILE [-n N] [--for SECONDS] [options]",
-            .summary = "Records what drones send into a file",
-            .details = "Records until every source has come to its end, until Ctrl-C, or as long as -n, --for and "
-                       "--max-size say. Every event is kept whole: "
-                       "header, body, identity and time of arrival. If the recorder is killed, the file can be read up "
-                       "to its last event. If anything is missing from the file, stderr and the end of the file say "
-                       "how much and why, and the exit code is 8.",
+            .summary = "Records the events of drones to a file",
+            .details = "Records until every source ends, until Ctrl-C, or up to -n, --for or --max-size. Each event is "
+                       "stored with its header, body, identity and arrival time. If the recorder is killed, the file "
+                       "can be read up to its last event. If anything is missing from the file, stderr and the end of "
+                       "the file report how much and why, and the exit code is 8.",
             .examples = "hivectl record camera face.faces -o run.hive --for 10\n"
                         "hivectl record camera -o small.hive --encoding jpeg:90  until Ctrl-C\n"
                         "hivectl record '*' -o headers.hive --notify -n 1000",

@@ -114,15 +114,13 @@ Run declare(CommandLine& line, Session& session)
     line.option("FILE", options->file, "the recording").required();
     line.option("--as", options->name, "name of the drone in the swarm (default: replay)").type_name("NAME");
     line.option("--pace", options->pace,
-                "real: as the events came (default); demand: the next one when all receivers ask, nothing skipped")
+                "real: recorded timing (default); demand: next event when all receivers ask, none skipped")
         .type_name("real|demand")
         .one_of({"real", "demand"});
-    line.option("--speed", options->speed, "times as fast as the events came")
-        .type_name("FACTOR")
-        .between(0.01, 1000.0);
-    line.option("--from", options->from, "begin there in the recording").type_name("SECONDS").seconds(0);
+    line.option("--speed", options->speed, "playback speed, 1: as recorded").type_name("FACTOR").between(0.01, 1000.0);
+    line.option("--from", options->from, "start at this offset").type_name("SECONDS").seconds(0);
     line.option("--to", options->to, "end there").type_name("SECONDS").seconds();
-    line.flag("--loop", options->loop, "begin again at the end");
+    line.flag("--loop", options->loop, "repeat at the end");
     line.flag("--halted", options->halted, "wait for hivectl resume, so that everything can be connected first");
     line.flag("--info", options->info, "print what is in the file, and start nothing");
     return [options, &session] { return run(*options, session); };
@@ -135,16 +133,16 @@ Verb verb()
     return {.name = "replay",
             .group = "recordings",
             .usage = "FILE [--as NAME] [--pace real|demand] [--halted] [options]",
-            .summary = "Plays a recording, as a drone with the outputs that were recorded",
-            .details = "Starts the drone and prints its name. It begins to play when it has its first receiver. The "
-                       "events have the identity, times and bodies that they had when they were recorded. The outputs "
-                       "have their old names; if several drones had an output of the same name, it is called "
-                       "DRONE-OUTPUT. With --info, the exit code is 8 if the file was cut short or its index is "
-                       "damaged; the events themselves are checked when they are played.",
+            .summary = "Plays a recording as a drone with the recorded outputs",
+            .details =
+                "Starts the drone and prints its name. Playback starts with the first receiver. Events have their "
+                "recorded identities, times and bodies, and outputs their recorded names; if several drones had an "
+                "output of one name, it is called DRONE-OUTPUT. With --info, the exit code is 8 if the file was cut "
+                "short or its index is damaged; the events themselves are checked during playback.",
             .examples = "hivectl replay run.hive --info\n"
                         "hivectl replay run.hive --pace demand\n"
                         "hivectl connect replay.image face",
-            .timeout = "end it if it does not answer within this long (default 10)",
+            .timeout = "stop it if it does not answer in time (default 10)",
             .table = true,
             .operands = {Operand::file},
             .declare = declare};

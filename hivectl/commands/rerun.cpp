@@ -118,18 +118,16 @@ int run(const Options& options, Session& session)
 Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
-    line.option("NAME", options->name, "a drone that failed; it need not run").required();
+    line.option("NAME", options->name, "a drone that failed, running or not").required();
     line.option("words", options->words,
-                "NO: which failure, as hivectl exceptions numbers them (default: the newest); key=value: parameters of "
-                "the fresh drone, beside those that NAME was given");
-    line.option("--kind", options->kind,
-                "what the fresh drone is: a KIND, or a file of Python, FILE.py (default: what NAME is or was)")
+                "NO: number of the failure in hivectl exceptions (default: the newest); key=value: parameters of the "
+                "new drone, in addition to those of NAME");
+    line.option("--kind", options->kind, "KIND of the new drone, or a Python file, FILE.py (default: that of NAME)")
         .type_name("KIND");
-    line.option("--program", options->program, "run this program, such as another build, as the drone")
-        .type_name("PATH");
+    line.option("--program", options->program, "run this program instead, such as another build").type_name("PATH");
     line.option("--under", options->under,
-                "run the drone under these words, at this terminal, such as \"gdb --args\" or \"valgrind\"; it gets "
-                "the input as soon as it is ready, and --timeout does not count")
+                "run the drone under this command at this terminal, such as \"gdb --args\" or \"valgrind\", without "
+                "--timeout; it gets the input once it is ready")
         .type_name("WORDS");
     return [options, &session] { return run(*options, session); };
 }
@@ -141,18 +139,17 @@ Verb verb()
     return {.name = "rerun",
             .group = "errors",
             .usage = "NAME [NO] [key=value ...] [--program PATH] [--under \"gdb --args\"] [options]",
-            .summary = "Gives the input that a drone failed at to a fresh drone of its kind",
+            .summary = "Reruns the input that a drone failed at in a new drone",
             .details =
-                "The fresh drone has the program and the parameters that NAME has, or had before it crashed. It runs "
-                "apart from the swarm, in a directory of its own, is connected to nothing, and ends with hivectl. It "
-                "gets the kept inputs with their identities, at the inputs where NAME had them; of a drone that died "
-                "these are all that its senders have kept of it. hivectl then says what happened, and, if it failed "
-                "again, prints the last lines of its log.\n\n"
-                "The exit code is 0 if the drone did not fail, and 9 if it threw, died or had not finished in time.",
+                "The new drone has the program and the parameters that NAME has, or had before it crashed. It runs "
+                "outside of the swarm, in its own directory, without connections, and exits with hivectl. It gets the "
+                "kept events at the inputs where NAME had them; after a crash, all that the senders kept. hivectl "
+                "reports the outcome and, if the drone failed again, prints the end of its log.\n\n"
+                "The exit code is 0 if the drone did not fail, and 9 if it threw, crashed or did not finish in time.",
             .examples = "hivectl rerun face\n"
                         "hivectl rerun face 3 --under \"gdb --args\"\n"
                         "hivectl rerun face 3 --program build/debug/bin/hive-face scale=1.2",
-            .timeout = "how long the drone may take to be ready, and then to finish (default 30)",
+            .timeout = "how long the drone may take to become ready, and then to finish (default 30)",
             .operands = {Operand::failed_drone, Operand::other},
             .declare = declare};
 }

@@ -54,11 +54,10 @@ std::string turns_text(const hive::CollectCounts& counts)
 void summarize(const hive::CollectCounts& counts, const std::vector<Loss>& losses)
 {
     std::string text;
-    for (const auto& [count, what] :
-         {std::pair{counts.missing, "missing" + turns_text(counts)},
-          {counts.dropped, std::string("dropped by hivectl because they were not taken in time")},
-          {counts.duplicates, std::string("second answers refused")},
-          {counts.failed, std::string("reported as exceptions instead")}})
+    for (const auto& [count, what] : {std::pair{counts.missing, "missing" + turns_text(counts)},
+                                      {counts.dropped, std::string("dropped by hivectl, which could not keep up")},
+                                      {counts.duplicates, std::string("duplicates refused")},
+                                      {counts.failed, std::string("reported as exceptions instead")}})
         if (count > 0)
             text += ", " + std::to_string(count) + " " + what;
     if (!text.empty())
@@ -75,12 +74,11 @@ void look_why(const Options& options, hive::Application& application, const std:
     const auto text = to_text(explanation);
     if (options.notify && explanation.has(hive::Cause::What::held))
         throw hive::Error(hive::Errc::refused,
-                          "the source is on demand, so results wait for somebody who takes them, and --notify only "
-                          "watches: "
+                          "the source is on demand, so it waits for a receiver of full events, which --notify is not: "
                               + text,
-                          "leave --notify out, or connect a receiver");
+                          "drop --notify, or connect a receiver");
     if (!text.empty())
-        complain("results", "nothing comes: " + text);
+        complain("results", "no events: " + text);
 }
 
 int run(const Options& options, Session& session)
@@ -129,8 +127,7 @@ int run(const Options& options, Session& session)
 Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
-    line.option("NAME", options->names,
-                "drones, drone.output, or globs; the output may be left out when only one is JSON")
+    line.option("NAME", options->names, "drones, drone.output, or globs; omit the output if only one is JSON")
         .required();
     line.option("-n", options->count, "end after this many")
         .type_name("N")
@@ -139,17 +136,14 @@ Run declare(CommandLine& line, Session& session)
         .type_name("FORM")
         .one_of({"json", "csv", "coco", "yolo"});
     line.option("-o,--output", options->folder, "with --as coco or yolo: new folder for the files").type_name("FOLDER");
-    line.option("--fields", options->fields,
-                "with --as csv: fields of the header instead of boxes, a line for each result")
+    line.option("--fields", options->fields, "with --as csv: header fields instead of boxes, one line per result")
         .type_name("FIELD,...");
-    line.flag("--ordered", options->ordered,
-              "print results in the order of capture, however many drones share the work");
+    line.flag("--ordered", options->ordered, "print results in capture order, even if several drones share the work");
     line.flag("--notify", options->notify, "receive headers only, so that the drone need not make the bodies");
-    line.flag("--stay", options->stay, "wait for more when every source has come to its end");
-    const auto sync = line.flag("--sync", options->sync,
-                                "receive the newest result each time one has been printed, and skip those in between");
-    line.option("--window", options->window,
-                "how many results to ask for in advance; further ones are skipped (default 64)")
+    line.flag("--stay", options->stay, "keep waiting after every source has ended");
+    const auto sync =
+        line.flag("--sync", options->sync, "after printing a result, get the newest one and skip those in between");
+    line.option("--window", options->window, "results to request ahead; further ones are skipped (default 64)")
         .type_name("N")
         .between(1, 64)
         .excludes(sync);
@@ -163,21 +157,18 @@ Verb verb()
     return {.name = "results",
             .group = "results",
             .usage = "NAME[.OUTPUT]... [-n N] [options]",
-            .summary = "Prints what drones find, one JSON object per line",
+            .summary = "Prints the results of drones, one JSON object per line",
             .details =
-                "Ends when every source has come to its end and everything has been printed. Each line has "
-                "source, epoch and seq of the capture that the result belongs to, the sender and "
-                "output that it came from, time_us (of the capture, microseconds since 1970), age_ms, size (of "
-                "the body, in bytes) and header (what the drone found). If anything was lost, refused or "
-                "failed, the last lines on stderr say how much and where. The exit code is 8 if results are "
-                "missing that were promised: with --ordered, or when the source produces on demand. An event at "
-                "which a drone failed has an exception instead: hivectl exceptions shows them. "
-                "With --as csv each box is a line, and with --fields each result: a.b is the field b of a, or of the "
-                "object "
-                "in the array a whose name is b. coco writes dataset.json and results.json, yolo classes.txt and "
-                "labels/NAME.txt. An image is named after its file, or else after the video or source and the number "
-                "of the capture; its size is the width and height in the header. A result without boxes, and for "
-                "coco and yolo one without that size, is refused.",
+                "Exits when every source has ended and every result is printed. Each line has source, epoch and seq of "
+                "the capture, the sender and output, time_us (of the capture, microseconds since 1970), age_ms, size "
+                "(of the body, in bytes) and header (the result). If anything was lost, refused or failed, the last "
+                "lines on stderr report how much and where. The exit code is 8 if results are missing with --ordered "
+                "or from a source on demand. If a drone failed at an event, there is an exception instead: see hivectl "
+                "exceptions. With --as csv, each box is a line, and with --fields each result: a.b is field b of a, or "
+                "the object named b in the array a. coco writes dataset.json and results.json, yolo classes.txt and "
+                "labels/NAME.txt. Images are named after their file, or after the video or source and the capture "
+                "number; their size is width and height in the header. Results without boxes are refused, and for coco "
+                "and yolo also those without a size.",
             .examples = "hivectl results face -n 5\n"
                         "hivectl results 'face-*' --ordered | jq .header\n"
                         "hivectl results face -n 5 --as coco -o faces\n"

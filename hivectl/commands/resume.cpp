@@ -9,10 +9,9 @@ Verb verb()
     return {.name = "resume",
             .group = "errors",
             .usage = "NAME... [options]",
-            .summary = "Lets halted drones go on",
-            .details = "Prints the names of the drones. It does not matter whether they halted because their code "
-                       "threw or because of hivectl halt. What they do at the next exception does not change; hivectl "
-                       "exceptions NAME --on-exception skip changes it.",
+            .summary = "Resumes halted drones",
+            .details = "Prints the names of the drones. Resumes drones that halted at an exception or by hivectl halt. "
+                       "The exception policy stays; hivectl exceptions NAME --on-exception skip changes it.",
             .examples = "hivectl resume face\n"
                         "hivectl resume 'face-*'",
             .operands = {Operand::drone},

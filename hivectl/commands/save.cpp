@@ -111,7 +111,7 @@ int report(const hive::Json& header, const Options& options, bool json)
         complain("save", printable(problem));
     if (frames == 0) {
         if (problem.empty())
-            complain("save", "no picture came, and nothing was written");
+            complain("save", "no image arrived; nothing was written");
         return exit_code::failure;
     }
     std::error_code ignored;
@@ -157,13 +157,12 @@ int run(const Options& options, Session& session)
 Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
-    line.option("NAME", options->from, "drone or drone.output; the output may be left out when only one sends pictures")
-        .required();
+    line.option("NAME", options->from, "drone or drone.output; omit the output if only one sends images").required();
     line.option("FILE", options->file, "a video (.mp4 .mov .mkv .avi), or a folder of pictures (NAME/)").required();
     line.option("-n", options->count, "end after this many pictures")
         .type_name("N")
         .between(std::int64_t{1}, std::int64_t{2'000'000'000});
-    line.option("--fps", options->fps, "write at this rate (default: each picture keeps its time)")
+    line.option("--fps", options->fps, "write at this rate (default: keep the time of each image)")
         .type_name("FPS")
         .between(0.0, 1000.0);
     line.option("--quality", options->quality, "of the pictures (default 80)").type_name("1-100").between(1, 100);
@@ -178,14 +177,13 @@ Verb verb()
     return {.name = "save",
             .group = "recordings",
             .usage = "NAME[.OUTPUT] FILE [-n N] [options]",
-            .summary = "Writes the pictures that a drone sends to a video file",
-            .details =
-                "Writes until every source has come to its end, until Ctrl-C, or until there are N pictures. Runs "
-                "a drone of the kind write meanwhile. Each picture keeps its time: that in the file which it "
-                "comes from, or that of its capture. A file that is cut off can be played all the same.",
+            .summary = "Writes the images of a drone to a video file or a folder",
+            .details = "Writes until every source ends, until Ctrl-C, or until N images are written, by running a "
+                       "drone of kind write. Each image keeps its time: that in its source file, or of its capture. A "
+                       "truncated file is still playable.",
             .examples = "hivectl save face.annotated faces.mp4\n"
                         "hivectl save camera pictures/ -n 100",
-            .timeout = "give up if a drone does not answer within this long (default 10)",
+            .timeout = "give up if a drone does not answer in time (default 10)",
             .operands = {Operand::sender, Operand::file},
             .declare = declare};
 }

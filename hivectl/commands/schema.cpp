@@ -25,10 +25,9 @@ Verb verb()
     return {.name = "schema",
             .group = "a swarm from a file",
             .usage = "[options]",
-            .summary = "Prints the JSON Schema of swarm files, with which editors complete and explain them",
-            .details =
-                "A file that begins with {\"$schema\": \"swarm.schema.json\", ... is completed and checked while it "
-                "is written, by every editor that knows JSON Schema.",
+            .summary = "Prints the JSON Schema of swarm files, for completion in editors",
+            .details = "A file that starts with {\"$schema\": \"swarm.schema.json\", ... is completed and checked as "
+                       "you type, in any editor that supports JSON Schema.",
             .examples = "hivectl schema > swarm.schema.json",
             .operands = {Operand::other},
             .declare = declare};

@@ -58,7 +58,7 @@ try {
 /// The exit code of a set that changed nothing: that of the cause, not that of the drones that were rolled back.
 int exit_code_of_refusal(const std::vector<hive::Answer>& answers)
 {
-    complain("set", "nothing has changed on any of them");
+    complain("set", "no drone was changed");
     if (interrupt::requested())
         return interrupt::exit_code();
     std::set<int> causes;
@@ -102,25 +102,22 @@ Run declare(CommandLine& line, Session& session)
 
 Verb verb()
 {
-    return {
-        .name = "set",
-        .group = "parameters",
-        .usage = "NAME key=value... [options]",
-        .summary = "Changes parameters while the drone runs",
-        .details =
-            "Returns when the drone's own code has applied them, and prints the applied values: bare for one parameter "
-            "of one drone, otherwise as key=value. All of one command are applied together or not at all. With a glob "
-            "that holds for all the drones: their own code tries the values first, and when one refuses, or Ctrl-C "
-            "comes before that, nothing has changed on any of them (exit code 5, or 130). If a drone dies in the very "
-            "moment when the others are told to keep the values, it is reported as unknown (exit code 8, or 4 when no "
-            "drone has confirmed). What concerns a drone's machine (paths, URLs, logins) is set on that machine; of "
-            "one "
-            "drone that was started with --on, hivectl does that through ssh. With --json an object of values; with a "
-            "glob one {\"drone\", \"values\"} a line.",
-        .examples = "hivectl set face scale=1.05 min_size=40\n"
-                    "hivectl set 'face-*' scale=1.05",
-        .operands = {Operand::drone, Operand::setting},
-        .declare = declare};
+    return {.name = "set",
+            .group = "parameters",
+            .usage = "NAME key=value... [options]",
+            .summary = "Changes parameters of running drones",
+            .details =
+                "Returns once the drone has applied the values, and prints them: bare for one parameter of one drone, "
+                "otherwise as key=value. All values are applied together or not at all. With a glob this holds across "
+                "drones: each tries the values first, and if one refuses, or you press Ctrl-C before that, no drone is "
+                "changed (exit code 5, or 130). If a drone dies while the change is being committed, it is reported as "
+                "unknown (exit code 8, or 4 when no drone has confirmed). Paths, URLs and logins are set on the "
+                "drone's own machine; for a single drone started with --on, hivectl does that over ssh. With --json an "
+                "object of values; with a glob one {\"drone\", \"values\"} a line.",
+            .examples = "hivectl set face scale=1.05 min_size=40\n"
+                        "hivectl set 'face-*' scale=1.05",
+            .operands = {Operand::drone, Operand::setting},
+            .declare = declare};
 }
 
 }  // namespace hivectl::set_verb

@@ -48,8 +48,7 @@ hive::Event next_event(const hive::Endpoint& output, const std::string& file, Se
     const auto event = collector->next(session.timeout());
     waiting.reset();
     if (const auto end = event ? std::nullopt : collector->ended())
-        throw hive::Error(hive::Errc::not_found,
-                          to_text(output) + " has come to its end" + (end->empty() ? "" : ": " + *end),
+        throw hive::Error(hive::Errc::not_found, to_text(output) + " has ended" + (end->empty() ? "" : ": " + *end),
                           "start its source again");
     if (!event)
         throw hive::Error(hive::Errc::timeout, to_text(output) + " sent nothing in time",
@@ -133,9 +132,8 @@ int run(const Options& options, Session& session)
 Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
-    line.option("NAME", options->from, "drone or drone.output; the output may be left out when only one sends pictures")
-        .required();
-    line.option("FILE", options->file, "where to; - is stdout").required();
+    line.option("NAME", options->from, "drone or drone.output; omit the output if only one sends images").required();
+    line.option("FILE", options->file, "file; - is stdout").required();
     return [options, &session] { return run(*options, session); };
 }
 
@@ -146,12 +144,10 @@ Verb verb()
     return {.name = "snap",
             .group = "results",
             .usage = "NAME[.OUTPUT] FILE [options]",
-            .summary = "Saves one picture that a drone sends",
-            .details =
-                "The image is saved as PNG if the name of the file ends in .png, otherwise as JPEG. Raw pixels of a "
-                "drone that cannot encode them are saved as PNG. An event that is not an image is saved as it "
-                "came. If the extension of the file means another type, nothing is written. A file that exists "
-                "already is replaced.",
+            .summary = "Saves one image from a drone",
+            .details = "Saves a PNG if the file name ends in .png, otherwise a JPEG. Raw pixels of a drone without "
+                       "encodings are saved as PNG, and other events unchanged. If the extension means another type, "
+                       "nothing is written. Replaces an existing file.",
             .examples = "hivectl snap camera now.jpg\n"
                         "hivectl snap face.annotated faces.png",
             .operands = {Operand::sender, Operand::file},

@@ -33,33 +33,30 @@ Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
     line.option("KIND", options->order.kind,
-                "which drone: the program hive-KIND beside hivectl, in $HIVE_DRONE_PATH or in $PATH; or a file "
-                "of Python, FILE.py, which $HIVE_PYTHON or the first python3 that has its imports runs")
+                "the program hive-KIND next to hivectl, in $HIVE_DRONE_PATH or in $PATH; or a Python file, FILE.py, "
+                "run by $HIVE_PYTHON or by the first python3 that has its imports")
         .required();
-    line.option("key=value", options->settings, "parameters to begin with");
+    line.option("key=value", options->settings, "initial parameters");
     line.option("--as", options->order.name, "its name in the swarm (default: KIND, or FILE without .py)")
         .type_name("NAME");
     line.option("--on", options->on,
-                "start it on that machine, through ssh: HOST, USER@HOST, or a name of ssh's own; it then listens at "
-                "tcp://0.0.0.0 unless --listen says otherwise")
+                "start it on this machine over ssh: HOST, USER@HOST, or an ssh host alias; listens at tcp://0.0.0.0 "
+                "without --listen")
         .type_name("HOST");
-    line.flag(
-        "--if-missing", options->if_missing,
-        "a drone of this name and kind that runs there already is left as it is, and printed as if it was started");
+    line.flag("--if-missing", options->if_missing,
+              "reuse a running drone of this name and kind, and print it as if it was started");
     line.option("--connect", options->order.connections,
-                "receive from there as soon as the sender is there; may be repeated, and INPUT be left out where there "
-                "is only one. OPTIONs: "
+                "receive from this output once the sender is up; repeatable; omit INPUT if there is only one. OPTIONs: "
                     + hive::connection_option_words())
         .type_name("[INPUT=]DRONE.OUTPUT[,OPTION...]")
         .one_each();
     line.option("--expect", options->order.expected,
-                "wait for this receiver before emitting lossless events; may be repeated. OUTPUT may be omitted if "
-                "there is only one. `hivectl disconnect` ends the wait")
+                "wait for this receiver before emitting lossless events; repeatable. Omit OUTPUT if there is only one. "
+                "`hivectl disconnect` ends the wait")
         .type_name("[OUTPUT=]DRONE.INPUT[,group=NAME]")
         .one_each();
     declare_fields(line, options->order);
-    line.option("--swarm", options->order.swarm,
-                "the swarm that it belongs to, whose hivectl down ends it (default: none)")
+    line.option("--swarm", options->order.swarm, "its swarm, which hivectl down stops (default: none)")
         .type_name("NAME");
     return [options, &session] { return run(*options, session); };
 }
@@ -72,17 +69,15 @@ Verb verb()
             .group = "run drones",
             .usage = "KIND|FILE.py [--as NAME] [--on HOST] [key=value ...] [options]",
             .summary = "Starts a drone in the background, here or on another machine",
-            .details =
-                "Returns when the drone answers, and prints its name. Its output goes to NAME.log in the "
-                "directory where drones meet. If it ends instead of answering, hivectl shows the last lines of "
-                "the log and exits with the drone's exit code. A drone keeps the port at which it listens when "
-                "it is started again after a crash.\n\n"
-                "With --on HOST it is started there, by the hivectl of that machine, through ssh as you have "
-                "set it up; from then on every verb finds it by its name. The connection of ssh is kept open for "
-                "a minute, for the commands that follow. A FILE.py has to be there already.",
+            .details = "Returns when the drone answers, and prints its name. Its output goes to NAME.log in the "
+                       "runtime directory. If it exits instead of answering, hivectl shows the end of the log and "
+                       "returns the drone's exit code. A drone keeps its port when it is restarted after a crash.\n\n"
+                       "With --on HOST, the hivectl on that machine starts it, over ssh with your configuration; every "
+                       "verb then finds it by name. The ssh connection stays open for a minute, for further commands. "
+                       "FILE.py must already be there.",
             .examples = "hivectl start camera\n"
                         "hivectl start face --as face-2 scale=1.05 min_size=40",
-            .timeout = "end it if it does not answer within this long (default 10)",
+            .timeout = "stop it if it does not answer in time (default 10)",
             .operands = {Operand::kind, Operand::setting_of_kind},
             .declare = declare};
 }

@@ -100,7 +100,7 @@ void report(const Target& target, Session& session)
     else if (target.place)
         write_out(target.name + "\n");
     else
-        complain("stop", target.name + " did not run; what it was told before it crashed is forgotten");
+        complain("stop", target.name + " was not running; its saved state was discarded");
 }
 
 std::vector<hive::Answer> stop_together(const std::vector<std::string>& names, hive::Application& application)
@@ -112,9 +112,9 @@ std::vector<hive::Answer> stop_together(const std::vector<std::string>& names, h
 int run(const Options& options, Session& session)
 {
     if (options.all != options.names.empty())
-        throw hive::Error(
-            hive::Errc::invalid_argument, options.all ? "both names and --all are given" : "no drones are named",
-            options.all ? "give the one or the other" : "give names, or --all; see what runs: hivectl ps");
+        throw hive::Error(hive::Errc::invalid_argument,
+                          options.all ? "names and --all are exclusive" : "no drones given",
+                          options.all ? "use one or the other" : "give names, or --all; see what runs: hivectl ps");
     Outcome outcome("stop");
     auto& application = session.application();
     const auto names = meant_by(options, application, outcome);
@@ -136,10 +136,9 @@ Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
     line.option("NAME", options->names, "drones, or globs such as 'face-*'");
-    line.flag(
-        "--all", options->all,
-        "every drone of this machine and of the list of places (hivectl place), but none that only announces itself "
-        "on the local network; those that crashed are forgotten");
+    line.flag("--all", options->all,
+              "every drone on this machine and in hivectl place, but not those known only by an announcement; discards "
+              "the state of crashed drones");
     return [options, &session] { return run(*options, session); };
 }
 
@@ -150,11 +149,10 @@ Verb verb()
     return {.name = "stop",
             .group = "run drones",
             .usage = "NAME... | --all [options]",
-            .summary = "Stops drones, and returns when they are gone",
-            .details = "Prints the names of the drones that ended. A drone that is stopped forgets its connections and "
-                       "the parameters that it was given. Its receivers keep their connections: they wait for a drone "
-                       "of that name until hivectl disconnect. A drone that crashed would get its connections and "
-                       "parameters back when it is started again; stop makes hivectl forget them.",
+            .summary = "Stops drones and waits until they have exited",
+            .details = "Prints the names of the stopped drones. A stopped drone loses its connections and parameters. "
+                       "Its receivers keep theirs: they wait for a drone of that name until hivectl disconnect. A "
+                       "crashed drone would restore its connections and parameters on restart; stop discards them.",
             .examples = "hivectl stop face\n"
                         "hivectl stop 'face-*'\n"
                         "hivectl stop --all",

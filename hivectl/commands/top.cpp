@@ -30,7 +30,7 @@ std::string shown(const Rates& rates, Form form)
                + ",\"edges\":" + json_array(rates.edges) + "}\n";
     const std::string drones = table_text(drone_rate_columns(), rates.drones, page_of(form));
     const std::string edges = table_text(edge_rate_columns(), rates.edges, page_of(form));
-    return (drones.empty() ? "no drone runs; start one: hivectl start KIND\n" : drones)
+    return (drones.empty() ? "no drones; start one: hivectl start KIND\n" : drones)
            + (edges.empty() ? "" : "\n" + edges);
 }
 
@@ -71,7 +71,7 @@ Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
     line.flag("--once", options->once, "print one table after one interval");
-    line.option("--interval", options->interval_s, "time between two looks (default 1)")
+    line.option("--interval", options->interval_s, "time between samples (default 1)")
         .type_name("SECONDS")
         .seconds(0.05, 3600);
     return [options, &session] { return run(*options, session); };
@@ -85,19 +85,16 @@ Verb verb()
             .group = "results",
             .usage = "[--once] [--interval SECONDS] [options]",
             .summary = "Shows the rates, ages and losses of drones and connections until Ctrl-C",
-            .details =
-                "IN/s and OUT/s are events per second since the last look (OUT/s: those with a receiver); BUSY "
-                "is how much of that time the "
-                "drone's code was working; CPU is the processor time of its process, in percent of one "
-                "processor, and MEMORY what that has in use; AGE is how old the newest event was when it arrived, "
-                "counted from "
-                "its capture. The busiest drone that receives something is marked slowest: it limits the whole "
-                "swarm. A connection is marked if either end has lost events since the last look; MISSING is how "
-                "many events both ends have lost for good so far. The other columns are those of hivectl connections, "
-                "per second. Columns that are 0 throughout are left out. With --json, one object per look.",
+            .details = "IN/s and OUT/s are events per second since the last sample (OUT/s: those with a receiver); "
+                       "BUSY is the share of that time in the drone's code; CPU is the process's use in percent of one "
+                       "processor, MEMORY its memory; AGE is the time from the capture of the newest event to its "
+                       "arrival. The busiest drone that receives events is marked slowest: it limits the whole swarm. "
+                       "A connection is marked if either end lost events since the last sample; MISSING counts the "
+                       "events that are lost for good. The other columns are those of hivectl connections, per second. "
+                       "Columns that are 0 in every row are omitted. With --json, one object per sample.",
             .examples = "hivectl top\n"
                         "hivectl top --once --interval 5",
-            .timeout = "a drone that has not answered by then is shown as silent (default 1)",
+            .timeout = "show a drone as silent if it has not answered by then (default 1)",
             .table = true,
             .operands = {},
             .declare = declare};

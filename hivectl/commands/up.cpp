@@ -56,8 +56,8 @@ int run(const Options& options, Session& session)
         print(outcome.steps, session.json);
     else
         complain("up", outcome.remains.empty()
-                           ? "nothing of " + plan->name + " was changed, because:"
-                           : plan->name + " was not brought up, and not all that was begun could be undone:");
+                           ? plan->name + " is unchanged, because:"
+                           : plan->name + " was not brought up and could not be rolled back completely:");
     const bool all_done = outcome.failures.empty() && outcome.remains.empty();  // even if Ctrl-C was pressed afterwards
     const int code = all_done ? exit_code::done : complain_about("up", outcome);
     if (!options.stay || code != exit_code::done)
@@ -73,8 +73,8 @@ Run declare(CommandLine& line, Session& session)
     declare_variables(line, options->input);
     const auto dry_run = line.flag("--dry-run", options->dry_run, "only print what would be done");
     line.flag("--stay", options->stay,
-              "stay until Ctrl-C, and restart what crashes or hangs and has a \"restart\" in the file, after pauses of "
-              "0.1 s to 30 s; what hivectl down ends stays down until it is brought up again")
+              "keep running until Ctrl-C, and restart drones with \"restart\" in the file if they crash or hang, after "
+              "0.1 s to 30 s; drones that hivectl down stops stay down until the next up")
         .excludes(dry_run);
     return [options, &session] { return run(*options, session); };
 }
@@ -83,24 +83,24 @@ Run declare(CommandLine& line, Session& session)
 
 Verb verb()
 {
-    return {.name = "up",
-            .group = "a swarm from a file",
-            .usage = "FILE [--set NAME=VALUE ...] [--dry-run | --stay] [options]",
-            .summary = "Starts, sets and connects all drones of a swarm file",
-            .details =
-                "Prints what it did. A drone that runs already is changed if the file says something else, and "
-                "restarted if only a new process can have that; what an earlier file of this swarm had and this one "
-                "has no more is ended, or returns to its default. A drone that another swarm or a person started is "
-                "connected and else left as it is, unless the file says \"change_if_shared\" of it; stderr says "
-                "which. So a second up finds nothing to do. Everything is done, or nothing: when a drone does not "
-                "become ready, or refuses what the file says, or with Ctrl-C, what was begun is undone. The file is "
-                "described in libhive/docs/swarm-file.md; hivectl check finds its mistakes without starting anything.",
-            .examples = "hivectl up doorway.json\n"
-                        "hivectl up doorway.json --dry-run\n"
-                        "hivectl up doorway.json --set scale=1.2",
-            .timeout = "for all drones to be ready (default 60)",
-            .operands = {Operand::file},
-            .declare = declare};
+    return {
+        .name = "up",
+        .group = "a swarm from a file",
+        .usage = "FILE [--set NAME=VALUE ...] [--dry-run | --stay] [options]",
+        .summary = "Starts, sets and connects all drones of a swarm file",
+        .details =
+            "Prints what it did. A running drone is changed where it differs from the file, and restarted if only a "
+            "new process can have the change; what an earlier file of this swarm had and this one lacks is stopped, or "
+            "reset to its default. A drone that another swarm or a user started is connected and otherwise left alone, "
+            "unless it has \"change_if_shared\" in the file; stderr names it. So a second up does nothing. It is all "
+            "or nothing: if a drone does not start or refuses a value, or on Ctrl-C, all changes are rolled back. The "
+            "format is in libhive/docs/swarm-file.md; hivectl check checks a file without starting anything.",
+        .examples = "hivectl up doorway.json\n"
+                    "hivectl up doorway.json --dry-run\n"
+                    "hivectl up doorway.json --set scale=1.2",
+        .timeout = "for all drones to be ready (default 60)",
+        .operands = {Operand::file},
+        .declare = declare};
 }
 
 }  // namespace hivectl::up_verb

@@ -29,8 +29,7 @@ void require_somewhere(const Options& options)
 {
     const char* display = std::getenv("DISPLAY");
     if (options.port == 0 && (!display || !*display))
-        throw hive::Error(hive::Errc::refused, "there is no display here for a window",
-                          "look with a browser: --http PORT");
+        throw hive::Error(hive::Errc::refused, "no display for a window", "use a browser: --http PORT");
 }
 
 /// Makes the drone serve its page, and returns the address for a browser; empty if there is a window instead. The token
@@ -104,15 +103,14 @@ int run(const Options& options, Session& session)
 Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
-    line.option("NAME", options->from, "drone or drone.output; the output may be left out when only one sends pictures")
-        .required();
-    line.option("--http", options->port, "show it to browsers on this machine, at that port, instead of in a window")
+    line.option("NAME", options->from, "drone or drone.output; omit the output if only one sends images").required();
+    line.option("--http", options->port, "serve it to browsers on this machine at this port instead of a window")
         .type_name("PORT")
         .between(1, 65535);
-    line.flag("--stay", options->stay, "go on showing the last picture when the source has come to its end");
-    line.option("--encoding", options->encoding,
-                "how pictures travel: raw, png, jpeg or jpeg:QUALITY (default: as they are on one machine, jpeg across "
-                "a network)")
+    line.flag("--stay", options->stay, "keep showing the last image after the source has ended");
+    line.option(
+            "--encoding", options->encoding,
+            "image encoding: raw, png, jpeg or jpeg:QUALITY (default: unchanged on one machine, jpeg across a network)")
         .type_name("NAME")
         .encoding();
     return [options, &session] { return run(*options, session); };
@@ -125,13 +123,12 @@ Verb verb()
     return {.name = "view",
             .group = "results",
             .usage = "NAME[.OUTPUT] [--http PORT] [options]",
-            .summary = "Shows the pictures that a drone sends, in a window or a browser",
-            .details = "Runs a drone of the kind view until Ctrl-C, or until its window is closed (the key q closes it "
-                       "too), or until the source has come to its end. With --http it prints the address to open in a "
-                       "browser on this machine.",
+            .summary = "Shows the images of a drone in a window or a browser",
+            .details = "Runs a drone of kind view until Ctrl-C, until its window is closed (or q is pressed), or until "
+                       "the source ends. With --http it prints the address to open in a browser on this machine.",
             .examples = "hivectl view camera\n"
                         "hivectl view face.annotated --http 8080",
-            .timeout = "give up if the drone does not answer within this long (default 10)",
+            .timeout = "give up if the drone does not answer in time (default 10)",
             .operands = {Operand::sender},
             .declare = declare};
 }

@@ -49,7 +49,7 @@ std::string late_text(const std::string& name, const std::string& goal, const st
     const std::string text = name + " is not " + goal + " after " + duration_text(limit / 1us);
     if (state == "gone")
         return text + "; " + advice_for_missing(name);
-    return text + ", but " + printable(state) + (state == "halted" ? "; let it go on: hivectl resume " + name : "");
+    return text + ", but " + printable(state) + (state == "halted" ? "; resume it: hivectl resume " + name : "");
 }
 
 int await(const std::string& name, const std::string& goal, Session& session, std::chrono::steady_clock::time_point end,
@@ -88,10 +88,10 @@ int run(const Options& options, Session& session)
 Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
-    line.option("NAME", options->names, "drones; they need not run yet").required();
+    line.option("NAME", options->names, "drones, running or not yet").required();
     line.option("--for", options->goal,
-                "running: it answers and has finished starting (default); idle: it has nothing to do; "
-                "halted: it takes no events until it is resumed; gone: it has ended")
+                "running: started and answering (default); idle: nothing to do; halted: taking no events until "
+                "resumed; gone: exited")
         .type_name("running|idle|halted|gone")
         .one_of({"running", "idle", "halted", "gone"});
     return [options, &session] { return run(*options, session); };
@@ -104,8 +104,8 @@ Verb verb()
     return {.name = "wait",
             .group = "run drones",
             .usage = "NAME... [--for STATE] [options]",
-            .summary = "Returns when drones have reached a state",
-            .details = "If they have not reached it before the time-out, the exit code is 124.",
+            .summary = "Waits until drones have reached a state",
+            .details = "Exits with 124 at the timeout.",
             .examples = "hivectl wait face\n"
                         "hivectl wait face --for halted --timeout 30",
             .timeout = "give up after this long (default 10)",

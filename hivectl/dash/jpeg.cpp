@@ -66,7 +66,7 @@ Pixels pixels_of_raw(const hive::Event& event, int width)
     const auto columns = fields.integer("width", 1, max_side), rows = fields.integer("height", 1, max_side);
     const auto stride = fields.integer_or("stride", columns * channels, 1 << 30, columns * channels);
     if (static_cast<std::int64_t>(event.body.size()) != stride * rows)
-        throw hive::Error(hive::Errc::malformed, "the body of image/raw has not the size that its header says");
+        throw hive::Error(hive::Errc::malformed, "the body of image/raw does not have the size in its header");
     const int factor = std::max(1, static_cast<int>(columns) / width);
     return shrunk(event.body.data(), static_cast<std::size_t>(stride),
                   {{}, static_cast<int>(columns), static_cast<int>(rows), channels}, factor);

@@ -34,7 +34,7 @@ std::uint64_t number_in(const std::string& text)
 
 hive::http::Answer json(const hive::Json& value) { return {.type = "application/json", .body = json_text(value)}; }
 
-hive::http::Answer nothing_here() { return sentence(404, "There is nothing here."); }
+hive::http::Answer nothing_here() { return sentence(404, "Not found."); }
 
 /// Rounds to few widths, so that browsers of different sizes share an image.
 int width_for(std::uint64_t box) { return box <= 320 ? 320 : box <= 640 ? 640 : 1280; }
@@ -114,7 +114,7 @@ Site::Answer Site::answer_get(const Words& path, const Request& request, Visit& 
 Site::Answer Site::events(const Visit& visit)
 {
     if (visit.streams >= settings_.streams)
-        return sentence(503, "Too many are looking.");
+        return sentence(503, "Too many viewers.");
     return hive::http::Answer{.type = EventStream::type,
                               .stream = std::make_shared<EventStream>(
                                   [this](Watch::Time now) { return watch_.newest(now); }, settings_.repeat)};

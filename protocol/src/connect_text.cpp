@@ -28,7 +28,7 @@ void read_option(Connect& connect, std::set<std::string, std::less<>>& seen, con
     const auto option = std::ranges::find(table, key, &ConnectionOption::name);
     const bool special = key == "at" || key == "share";
     if (option == table.end() ? !special || (key == "share" && !flag) : option->is_flag() && !flag)
-        throw mistake(in_quotes(word) + " is none of its options", "there are " + connection_option_words());
+        throw mistake(in_quotes(word) + " is not an option", "there are " + connection_option_words());
     if (!seen.insert(key).second)
         throw mistake(key + " is given twice");
     const auto value = flag ? std::string() : word.substr(equals + 1);
@@ -53,7 +53,7 @@ void read_ends(Connect& connect, const std::string& text)
     const auto sender = equals == std::string::npos ? text : text.substr(equals + 1);
     const auto dot = sender.rfind('.');
     if (dot == std::string::npos)
-        throw mistake(in_quotes(sender) + " names no output: which ones a drone has is not known before it is there");
+        throw mistake(in_quotes(sender) + " names no output, which is required here");
     connect.drone = require_name(sender.substr(0, dot), "drone");
     connect.output = require_name(sender.substr(dot + 1), "output");
 }
@@ -74,7 +74,7 @@ Connect connect_from_text(const std::string& text)
         read_option(connect, seen, "");
     for (const auto& clash : connection_clashes())
         if (seen.contains(clash.one) && seen.contains(clash.other))
-            throw mistake(std::string(clash.other) + " does not go with " + std::string(clash.one));
+            throw mistake(std::string(clash.other) + " conflicts with " + std::string(clash.one));
     if (seen.contains("share") && connect.options.group.empty())
         connect.options.group = connect.drone;
     if (connect.options.lease && connect.options.group.empty())

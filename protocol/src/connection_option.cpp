@@ -18,26 +18,25 @@ using Type = ConnectionOption::Type;
 using Lease = std::optional<std::chrono::milliseconds>;
 
 constexpr std::array option_table{
-    ConnectionOption{"stream", "transfer", &Options::transfer, Type::flag, "", "true or false",
-                     "send every event, not only the newest when the receiver is ready; what it cannot keep up with is "
-                     "dropped and counted"},
+    ConnectionOption{
+        "stream", "transfer", &Options::transfer, Type::flag, "", "true or false",
+        "send every event, not only the newest when the receiver is ready; excess events are dropped and counted"},
     ConnectionOption{"notify", "delivery", &Options::delivery, Type::flag, "", "true or false",
                      "send headers without bodies"},
     ConnectionOption{"window", "window", &Options::window, Type::count, "N", "a whole number from 1 to 64",
-                     "how many events the receiver may ask for ahead, so that it never waits for a round trip (default "
-                     "1)"},
+                     "number of events the receiver requests ahead, to hide the round trip (default 1)"},
     ConnectionOption{"first_frame", "first_frame", &Options::first_frame, Type::flag, "", "true or false",
-                     "begin with the newest event that exists already; not for shared work"},
+                     "start with the newest existing event; not for shared work"},
     ConnectionOption{"group", "group", &Options::group, Type::name, "NAME", "a name for a group",
-                     "share with everyone of that group (default with --share: the sender's name)"},
+                     "share work within this group (default with --share: the sender's name)"},
     ConnectionOption{"lease", "lease_ms", &Options::lease, Type::duration, "SECONDS",
                      "a number of seconds from 0.05 to 86400",
-                     "how long a member may work on an event before another gets it; the shortest of a group holds "
+                     "how long a member may work on an event before another gets it; the shortest in a group counts "
                      "(default: measured)"},
-    ConnectionOption{"encoding", "encoding", &Options::encoding, Type::encoding, "NAME",
-                     "an encoding: raw, png, jpeg or jpeg:QUALITY",
-                     "how pictures travel: raw, png, jpeg or jpeg:QUALITY (default: as they are on one machine, jpeg "
-                     "across a network)"},
+    ConnectionOption{
+        "encoding", "encoding", &Options::encoding, Type::encoding, "NAME",
+        "an encoding: raw, png, jpeg or jpeg:QUALITY",
+        "image encoding: raw, png, jpeg or jpeg:QUALITY (default: unchanged on one machine, jpeg across a network)"},
 };
 
 constexpr std::array clash_table{ConnectionClash{"stream", "window"},     ConnectionClash{"stream", "share"},

@@ -8,21 +8,20 @@ namespace hive {
 namespace {
 
 constexpr std::array table{
-    ErrorInfo{Errc::invalid_argument, "invalid_argument", "that can never be right", "correct the call", 2},
+    ErrorInfo{Errc::invalid_argument, "invalid_argument", "invalid argument", "correct the call", 2},
     ErrorInfo{Errc::not_found, "not_found", "there is no such thing", "check the name", 3},
-    ErrorInfo{Errc::unreachable, "unreachable", "nobody answers there", "start it, or check the address", 4},
+    ErrorInfo{Errc::unreachable, "unreachable", "no answer there", "start it, or check the address", 4},
     ErrorInfo{Errc::connection_lost, "connection_lost", "the peer went away", "try again; the outcome is not known", 4},
     ErrorInfo{Errc::timeout, "timeout", "no answer in time", "allow more time, or look what it is busy with", 124},
-    ErrorInfo{Errc::refused, "refused", "the drone said no", "", 5},
+    ErrorInfo{Errc::refused, "refused", "the drone refused", "", 5},
     ErrorInfo{Errc::type_mismatch, "type_mismatch", "output and input do not fit", "connect other ports", 6},
     ErrorInfo{Errc::halted, "halted", "the drone has halted", "resume it", 7},
-    ErrorInfo{Errc::locked, "locked", "another set is being decided there", "try again in a moment", 5},
-    ErrorInfo{Errc::name_taken, "name_taken", "the name is in use", "choose another name, or stop the holder", 1},
+    ErrorInfo{Errc::locked, "locked", "another set is in progress there", "try again in a moment", 5},
+    ErrorInfo{Errc::name_taken, "name_taken", "the name is in use", "choose another name, or stop that drone", 1},
     ErrorInfo{Errc::not_permitted, "not_permitted", "that is not allowed", "use the right account", 5},
     ErrorInfo{Errc::too_large, "too_large", "over the limit", "send less, or have the operator raise the limit", 5},
-    ErrorInfo{Errc::malformed, "malformed", "not the protocol", "check what talks to this socket", 1},
-    ErrorInfo{Errc::version_mismatch, "version_mismatch", "another version of the protocol", "use matching versions",
-              1},
+    ErrorInfo{Errc::malformed, "malformed", "protocol error", "check what talks to this socket", 1},
+    ErrorInfo{Errc::version_mismatch, "version_mismatch", "protocol version mismatch", "use matching versions", 1},
     ErrorInfo{Errc::unsupported, "unsupported", "unknown request", "use matching versions", 5},
     ErrorInfo{Errc::failed, "failed", "the drone's code failed", "read the text, correct the drone or its input", 1},
     ErrorInfo{Errc::abandoned, "abandoned", "given up after several attempts", "look at the input and the workers", 1},
@@ -66,7 +65,7 @@ try {
 } catch (const std::exception& error) {
     return {Errc::failed, error.what()};
 } catch (...) {
-    return {Errc::failed, "something that is not an exception was thrown"};
+    return {Errc::failed, "a non-exception object was thrown"};
 }
 
 }  // namespace hive

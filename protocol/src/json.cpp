@@ -53,7 +53,7 @@ public:
             return refuse(Errc::too_large, too_wide(limits_));
         const auto [place, is_new] = object.try_emplace(std::move(value));
         if (!is_new)
-            return refuse(Errc::malformed, "the key " + in_quotes(place->first) + " twice in one object");
+            return refuse(Errc::malformed, "duplicate key " + in_quotes(place->first));
         slot_ = &place->second;
         if (places_)
             places_->key(place->first);
@@ -68,8 +68,7 @@ public:
         if (cause.id == 406)
             return refuse(Errc::malformed, "a number too large for a double");
         // nlohmann's text repeats the input; report only the position.
-        return refuse(Errc::malformed,
-                      places_ ? "something that does not belong here" : "an error at byte " + std::to_string(position));
+        return refuse(Errc::malformed, places_ ? "unexpected input" : "an error at byte " + std::to_string(position));
     }
 
     /// The number of bytes read when the text turned out to be invalid; 0: it is valid, or a limit came first.

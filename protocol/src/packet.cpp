@@ -73,9 +73,9 @@ PrefixBytes encode(const Prefix& prefix) noexcept
 Prefix decode_prefix(const unsigned char* bytes, const Limits& limits)
 {
     if (std::memcmp(bytes, magic.data(), magic.size()) != 0)
-        throw Error(Errc::malformed, "not a Hive packet: it does not begin with HIVE");
+        throw Error(Errc::malformed, "not a Hive packet: it does not start with HIVE");
     if (bytes[4] != version)
-        throw Error(Errc::version_mismatch, "the peer speaks version " + std::to_string(bytes[4])
+        throw Error(Errc::version_mismatch, "the peer uses version " + std::to_string(bytes[4])
                                                 + " of the protocol, this end version " + std::to_string(version));
     Prefix prefix{static_cast<PacketType>(bytes[5]), load<std::uint16_t>(&bytes[6]), load<std::uint32_t>(&bytes[8]),
                   load<std::uint32_t>(&bytes[12])};

@@ -75,7 +75,7 @@ std::string refusal(Role role, Direction direction, PacketType type)
 {
     const std::string what(token(type));
     if (direction == Direction::to_dialer)
-        return "who was dialed may not send " + what + " to who dialed";
+        return "a listener may not send " + what + " to a dialer";
     for (const auto higher : {Role::member, Role::owner})
         if (higher > role && permits(higher, direction, type))
             return "a " + std::string(token(role)) + " may not send " + what;

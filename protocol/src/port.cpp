@@ -55,8 +55,7 @@ void require_encoding(const Port& output, const std::string& encoding, const std
                       const std::string& accepts)
 {
     if (output.encodings.empty())
-        throw Error(Errc::invalid_argument,
-                    "output " + output.name + " knows no encodings; its events travel as they are");
+        throw Error(Errc::invalid_argument, "output " + output.name + " has no encodings; its events are sent as is");
     if (const auto& type = encoding_named(output.encodings, encoding).type; !types_fit(type, accepts))
         throw Error(Errc::type_mismatch, "output " + output.name + " as " + encoding + " is " + type + ", but "
                                              + receiver + " takes " + accepts);

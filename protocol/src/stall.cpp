@@ -74,20 +74,20 @@ std::string_view sentence(Reason reason) noexcept
 {
     switch (reason) {
     case Reason::none: break;
-    case Reason::no_receiver: return "nobody receives it";
-    case Reason::not_asked: return "a receiver has not asked for more";
-    case Reason::lane_full: return "the connection has not yet taken what was sent";
-    case Reason::held: return "lossless events are held until somebody receives them";
-    case Reason::group_awaited: return "a group has lost its last member and still has work to do";
-    case Reason::not_acknowledged: return "the receiver acknowledges none of the events that it has worked on";
+    case Reason::no_receiver: return "no receivers";
+    case Reason::not_asked: return "a receiver has not requested more";
+    case Reason::lane_full: return "the connection's send queue is full";
+    case Reason::held: return "lossless events are held until there is a receiver";
+    case Reason::group_awaited: return "a group lost its last member and has work pending";
+    case Reason::not_acknowledged: return "the receiver does not acknowledge the events that it has processed";
     case Reason::place_kept: return "it waits for a receiver that was cut off, or has not come yet";
-    case Reason::lease_running: return "the last attempt at an event is still under way";
+    case Reason::lease_running: return "the last attempt at an event is still in progress";
     case Reason::halted: return "the drone has halted";
-    case Reason::backlog: return "the drone waits until the lossless events that it has made are asked for";
+    case Reason::backlog: return "the drone waits for receivers to request its lossless events";
     case Reason::dialing: return "the sender is not connected";
     case Reason::refused: return "the sender refused the connection";
     case Reason::no_input: return "nothing is connected to its inputs";
-    case Reason::source_ended: return "the source has come to its end";
+    case Reason::source_ended: return "the source has ended";
     case Reason::set_prepared: return "an application prepared a set and has not committed or aborted it yet";
     case Reason::watched: return "only watchers receive it, and on demand it waits for a receiver of bodies";
     }

@@ -119,10 +119,10 @@ ConnectionOptions connection_options(const Json& object)
                     "connection options: an encoding is a word, with a number if wanted (raw, jpeg:80), not "
                         + in_quotes(options.encoding));
     if (!options.group.empty() && (options.transfer != Transfer::synchronized || options.delivery != Delivery::data))
-        throw Error(Errc::malformed, "a group shares whole events by request: neither stream nor notify goes with it");
+        throw Error(Errc::malformed, "a group shares whole events by request: stream and notify conflict with it");
     if (!options.group.empty() && options.first_frame)
-        throw Error(Errc::malformed, "a group gives each event to one member: first_frame, which begins with an event "
-                                     "that others may have had, does not go with it");
+        throw Error(Errc::malformed, "a group gives each event to one member: first_frame, which starts with an event "
+                                     "that others may have had, conflicts with it");
     return options;
 }
 

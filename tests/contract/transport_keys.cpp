@@ -183,17 +183,17 @@ TEST_CASE("keys: TLS to plain packets is told at both ends")
     CHECK(has(dialed.error->advice(), "HIVE_KEY=none"));
     REQUIRE(gate.loop.until([&] { return !gate.ends.empty() && gate.ends[0]->closed == 1; }));
     CHECK(gate.ends[0]->code == Errc::not_permitted);
-    CHECK(has(gate.ends[0]->text, "speaks TLS"));
+    CHECK(has(gate.ends[0]->text, "uses TLS"));
 }
 
-TEST_CASE("keys: a key file that others may read is not used, and the dial says why")
+TEST_CASE("keys: a key file that others can read is not used, and the dial says why")
 {
     Gate gate;
     std::filesystem::permissions(gate.folder.path("swarm.key"), std::filesystem::perms(0644));
     const auto dialed = gate.dial({.keys = std::make_shared<KeyRing>(gate.folder.path("swarm.key"))});
     REQUIRE(dialed.error);
     CHECK(dialed.error->code() == Errc::not_permitted);
-    CHECK(has(dialed.error->what(), "others may read"));
+    CHECK(has(dialed.error->what(), "others can read"));
     CHECK(has(dialed.error->advice(), "chmod 600"));
 }
 
@@ -204,8 +204,8 @@ TEST_CASE("keys: strangers are closed: the silent ones after their time, the oth
         std::string words, sentence;
     };
     for (const auto& [words, sentence] :
-         {Stranger{"", "within 300 ms"}, Stranger{"GET / HTTP/1.1\r\n\r\n", "neither TLS nor Hive"},
-          Stranger{std::string("\0", 1), "neither TLS nor Hive"}, Stranger{"\x16", "within 300 ms"},
+         {Stranger{"", "within 300 ms"}, Stranger{"GET / HTTP/1.1\r\n\r\n", "neither TLS nor the Hive protocol"},
+          Stranger{std::string("\0", 1), "neither TLS nor the Hive protocol"}, Stranger{"\x16", "within 300 ms"},
           Stranger{"\x16\x03\x01\x40" + std::string(9000, 'x'), ""},
           Stranger{"\x16\x03\x01" + std::string(300, '\xff'), ""}}) {
         gate.refused.clear();

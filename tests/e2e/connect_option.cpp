@@ -110,7 +110,7 @@ TEST_CASE("--connect: mistakes are refused at the start, in one sentence and wit
                                 Mistake{"ticker", "camera.image", 3, {"has no input"}},
                                 Mistake{"sleeper", "refused.result", 2, {"own output"}},
                                 Mistake{"counter", "source.tick,share", 5, {"keeps state"}},
-                                Mistake{"sleeper", "source.tick,at=tcp://0.0.0.0:7700", 2, {"nobody can dial"}}}) {
+                                Mistake{"sleeper", "source.tick,at=tcp://0.0.0.0:7700", 2, {"cannot dial"}}}) {
         CAPTURE(mistake.connect);
         const auto finished = refused(swarm, mistake.kind, mistake.connect);
         CHECK(finished.exit_code == mistake.exit_code);

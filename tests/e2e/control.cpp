@@ -79,7 +79,7 @@ TEST_CASE("set: when one of eight refuses, by its declaration or by its own code
     const auto refused = swarm.hivectl(command);
     CHECK(refused.exit_code == 5);
     CHECK(refused.out.empty());
-    CHECK(refused.err.find("nothing has changed") != std::string::npos);
+    CHECK(refused.err.find("no drone was changed") != std::string::npos);
     auto application = swarm.application();
     const auto answers = application.get(application.find("face-*"), {"work_ms", "throw_at"});
     REQUIRE(answers.size() == 8);

@@ -289,7 +289,7 @@ def strangers(browser, dash):
         evil.run(f"fetch('{address}orders', {json.dumps(options)}).catch(() => null).then(() => true)")
     evil.run(f"(f => {{ f.method = 'post'; f.enctype = 'text/plain'; f.action = '{address}orders'; document.body.append(f); "
              "f.submit(); })(document.createElement('form'))")
-    evil.see("body", "Other pages may not look.")
+    evil.see("body", "Cross-site access denied.")
     assert state("camera") != "halted"
     assert page.run(f"fetch('/orders', {{method: 'POST', headers: {{'Content-Type': 'application/json'}}, body: {json.dumps(order)}}})"
                     ".then(a => a.status)") == 200

@@ -173,7 +173,7 @@ TEST_CASE("failures: they are saved as files that others open, and none is writt
     CHECK(json.at("body") == "thrower-1.image.jpg");
     const auto again = swarm.hivectl({"exceptions", "thrower", "--save", out.string()});
     CHECK(again.exit_code == 5);
-    CHECK(has(again.err, "thrower-1.image.jpg is there already"));
+    CHECK(has(again.err, "thrower-1.image.jpg already exists"));
 }
 
 TEST_CASE("failures: of a drone that hangs and is killed its sender keeps what it had in hand")

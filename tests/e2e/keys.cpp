@@ -156,7 +156,7 @@ TEST_CASE("keys: when the key is changed, connections of the old one end, and co
 
     here.hivectl_done({"key", "rotate", "--keep", "0"});
     CHECK(eventually([&] {
-        return has(here.log("ticker"), "the swarm key " + old + " holds no longer")
+        return has(here.log("ticker"), "the swarm key " + old + " has expired")
                || has(here.log("ticker"), old + " is not known here");
     }));
     CHECK(eventually([&] { return !connected(); }));

@@ -122,8 +122,7 @@ TEST_CASE("kill: every event of a source on demand gives exactly one result, in 
     }
     CHECK_FALSE(collector->next(500ms));
     const auto counts = collector->counts();
-    MESSAGE(killed_events, " results in order, ", swarm.kills(), " kills, ", counts.duplicates,
-            " second answers refused");
+    MESSAGE(killed_events, " results in order, ", swarm.kills(), " kills, ", counts.duplicates, " duplicates refused");
     CHECK(swarm.kills() >= 5);
     CHECK(counts.received == killed_events);
     CHECK(counts.missing == 0);

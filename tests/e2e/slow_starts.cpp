@@ -105,7 +105,7 @@ TEST_CASE("up: Ctrl-C leaves nothing behind on another machine, however long a d
                   "bash"});
     const auto interrupted = here.run(words, 90'000ms);
     CHECK_MESSAGE(interrupted.exit_code == 130, interrupted.err);
-    CHECK_MESSAGE(has(interrupted.err, "hivectl up: interrupted: undoing what was begun."), interrupted.err);
+    CHECK_MESSAGE(has(interrupted.err, "hivectl up: interrupted: rolling back."), interrupted.err);
     CHECK(has_processes(there, 0));
     CHECK(here.hivectl_done({"place", "list", "--json"}) == "[]\n");
 }
@@ -120,7 +120,7 @@ TEST_CASE("up: a drone on another machine that ends before it is met from here i
     const auto refused = ssh.hivectl({"up", file, "--timeout", "120"});
     CHECK(refused.exit_code == 5);
     CHECK(refused.took < patient(15'000ms));
-    CHECK_MESSAGE(has(refused.err, "gpu2: brief was ready and has ended since; its log says:"), refused.err);
+    CHECK_MESSAGE(has(refused.err, "gpu2: brief was ready and has exited since; its log says:"), refused.err);
     CHECK_MESSAGE(has(refused.err, "listening on tcp://"), refused.err);
     CHECK(here.hivectl_done({"place", "list", "--json"}) == "[]\n");
     CHECK(there.application().remembered().empty());

@@ -90,7 +90,7 @@ TEST_CASE("swarm files: one comes on stdin, and one that is not there is no mist
     const auto checked =
         swarm.run({"/bin/sh", "-c", "echo '{\"swarm\": \"s\", \"drones\": {}} # done' | hivectl check -"});
     CHECK_EQ(checked.exit_code, 2);
-    CHECK_EQ(checked.out, "<stdin>:1:30: a comment begins with //, and ends with the line\n");
+    CHECK_EQ(checked.out, "<stdin>:1:30: comments start with // and end with the line\n");
     const auto missing = swarm.hivectl({"check", (swarm.home() / "none.json").string()});
     CHECK_EQ(missing.exit_code, 1);
     CHECK(missing.err.find("No such file") != std::string::npos);

@@ -186,7 +186,7 @@ TEST_CASE("up: while somebody else changes the swarm it says that it waits, ends
     auto other = std::make_unique<hive::event::NameClaim>(home, "work.swarm");
     const auto refused = swarm.hivectl({"up", file, "--timeout", "2"});
     CHECK(refused.exit_code != 0);
-    const std::string waits = "hivectl up: somebody else is changing the swarm work now; waiting until that is done";
+    const std::string waits = "hivectl up: another process is changing the swarm work now; waiting until that is done";
     CHECK_MESSAGE(has(refused.err, waits), refused.err);
     CHECK_MESSAGE(has(refused.err, "try again when that is done"), refused.err);
     auto interrupted = swarm.hivectl_running({"up", file}, "interrupted");
@@ -269,7 +269,7 @@ TEST_CASE("down: Ctrl-C while it waits for its turn leaves all swarms as they ar
     const hive::event::Home home(swarm.home());
     const hive::event::NameClaim other(home, "work.swarm");
     auto down = swarm.hivectl_running({"down"}, "down");
-    REQUIRE(eventually([&] { return has(swarm.log("down"), "somebody else is changing the swarm work now"); }));
+    REQUIRE(eventually([&] { return has(swarm.log("down"), "another process is changing the swarm work now"); }));
     down.signal(SIGINT);
     CHECK(down.wait(patient(5000ms)) == 130);
     CHECK(has(swarm.log("down"), "hivectl down: yard was left as it is"));

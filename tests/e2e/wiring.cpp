@@ -179,7 +179,7 @@ TEST_CASE("stop: a drone that crashed is forgotten, by its name, a glob or --all
         const auto stopped = swarm.hivectl(words);
         CHECK(stopped.exit_code == 0);
         CHECK(stopped.out.empty());
-        CHECK(has(stopped.err, "left-1 did not run; what it was told before it crashed is forgotten"));
+        CHECK(has(stopped.err, "left-1 was not running; its saved state was discarded"));
         CHECK_FALSE(remembers("left-1"));
     }
     crash("left-1");

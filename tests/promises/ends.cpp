@@ -200,7 +200,7 @@ TEST_CASE("end: it says at how many events a drone on the way failed, and the ve
     swarm.hivectl_done({"connect", "source", "worker"});
     const auto done = swarm.hivectl({"results", "last"});
     CHECK(done.exit_code == 8);
-    CHECK(done.err.find("not everything came: worker failed at 20 events") != std::string::npos);
+    CHECK(done.err.find("incomplete: worker failed at 20 events") != std::string::npos);
     CHECK(eventually([&] {
         return swarm.hivectl_done({"ps", "recorder"}).find("worker failed at 20 events") != std::string::npos;
     }));

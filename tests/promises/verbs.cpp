@@ -117,7 +117,7 @@ TEST_CASE("standstill: a watcher of a chain on demand is refused in words")
     CHECK_MESSAGE(eventually([&] {  // it looks once why nothing comes, for half a second
                       const auto refused = swarm.hivectl({"results", "worker", "--notify", "--timeout", "8"});
                       said = refused.err;
-                      return refused.exit_code == 5 && has(said, "--notify only watches");
+                      return refused.exit_code == 5 && has(said, "--notify is not");
                   }),
                   said);
 }

@@ -12,7 +12,7 @@ namespace {
 using axis::emulator::ServerSettings;
 
 constexpr const char* usage = R"(usage: hive-axis-emulator [name=value ...]
-An Axis camera that is none, at http://127.0.0.1:PORT; prints where it listens.
+Emulates an Axis camera at http://127.0.0.1:PORT; prints where it listens.
   port=8080 control=8081    0, the default: any free ones
   address=127.0.0.1         that the camera listens at; the control stays on 127.0.0.1
   credentials=FILE          user:password of its owner; default root:pass

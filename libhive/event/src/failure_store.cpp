@@ -96,7 +96,7 @@ std::string bytes_from(std::ifstream& in, std::size_t size)
 {
     std::string bytes(size, '\0');
     if (!in.read(bytes.data(), static_cast<std::streamsize>(size)))
-        throw Error(Errc::malformed, "a kept failure ends too early");
+        throw Error(Errc::malformed, "a kept failure is truncated");
     return bytes;
 }
 
@@ -106,7 +106,7 @@ protocol::Packet read_packet(std::ifstream& in, std::uintmax_t left, bool body)
     const auto prefix =
         protocol::decode_prefix(reinterpret_cast<const unsigned char*>(prefix_bytes.data()), file_limits);
     if (prefix.header_size + std::uintmax_t(prefix.body_size) > left)
-        throw Error(Errc::malformed, "a kept failure ends too early");
+        throw Error(Errc::malformed, "a kept failure is truncated");
     auto header = bytes_from(in, prefix.header_size);
     if (body)
         return protocol::make_packet(prefix.type, std::move(header), 0, Body(bytes_from(in, prefix.body_size)));

@@ -156,7 +156,7 @@ transport::Address Module::listen(const transport::Address& address)
                 if (const auto link = value_or_none(opened); link && !local && !has_place(*link)) {
                     turn_away(link->connection());
                     std::erase(links_, link);  // at once, so that it takes no place until its end is reported
-                    link->close(Error(Errc::refused, "there is no place left"));
+                    link->close(Error(Errc::refused, "too many peers"));
                 }
             });
         },

@@ -39,7 +39,7 @@ void Module::recheck_keys()
             continue;
         needed = true;
         if (!options_.keys->accepts(key, role))
-            link->close(Error(Errc::not_permitted, "the swarm key " + key + " holds no longer"));
+            link->close(Error(Errc::not_permitted, "the swarm key " + key + " has expired"));
     }
     if (options_.keys && options_.keys->trouble() != keys_trouble_) {
         keys_trouble_ = options_.keys->trouble();

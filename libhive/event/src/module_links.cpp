@@ -112,7 +112,7 @@ void Module::let_one_go()
         return;
     const auto link = latest->second;
     dialed_.erase(latest);  // at once, so that no request uses it any more
-    link->close(Error(Errc::stopped, options_.self.name + " has nothing to ask at present"));
+    link->close(Error(Errc::stopped, options_.self.name + " closed an idle connection"));
 }
 
 void Module::dialed(const std::string& key, const Result<LinkPtr>& link)
@@ -279,7 +279,7 @@ void Module::expire_dialing(Clock::time_point now)
             }
     std::erase_if(dialing_, [](const auto& row) { return row.second.empty(); });
     for (const auto& waiting : late)
-        waiting.on_link(Error(Errc::timeout, "no sign of life within the time allowed"));
+        waiting.on_link(Error(Errc::timeout, "no answer in the time allowed"));
 }
 
 }  // namespace hive::event

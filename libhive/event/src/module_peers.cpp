@@ -114,7 +114,7 @@ Json Module::confirmation(const Outlet& sender, const Welcome& welcome) const
 void Module::require_free(const Link& link, std::uint16_t channel) const
 {
     if (channel == 0)
-        throw Error(Errc::invalid_argument, "register: channel 0 is no channel");
+        throw Error(Errc::invalid_argument, "register: channel 0 is invalid");
     std::size_t registrations = 0;
     for (const auto& outlet : outlets_) {
         if (outlet.has(link, channel))
@@ -149,11 +149,11 @@ void Module::on_request_packet(Link& link, const protocol::Packet& packet, const
     const auto id = request.id;
     const auto handler = handlers_.find(packet.type);
     if (handler == handlers_.end())
-        return link.answer(id, Error(Errc::unsupported, options_.self.name + " does not know the request "
+        return link.answer(id, Error(Errc::unsupported, options_.self.name + " does not support the request "
                                                             + std::string(protocol::token(packet.type))));
     if (link.asked.size() >= most_requests)
         return link.answer(id, Error(Errc::refused, std::to_string(most_requests)
-                                                        + " requests of yours are under way; wait for an answer"));
+                                                        + " requests of yours are in progress; wait for an answer"));
     try {
         const auto asked = std::make_shared<Asked>(packet.type, id, request.deadline());
         const auto answer = answer_to(link, asked);

@@ -91,7 +91,7 @@ void Outlet::require_modest(const protocol::Registration& registration) const
         throw Error(Errc::not_permitted, "a viewer may not share work");
     if (const auto& encoding = registration.options.encoding;
         !encoding.empty() && std::ranges::find(port_.encodings, encoding, &Encoding::word) == port_.encodings.end())
-        throw Error(Errc::not_permitted, "a viewer may not ask for the encoding " + in_quotes(encoding),
+        throw Error(Errc::not_permitted, "a viewer may not request the encoding " + in_quotes(encoding),
                     "leave it out");
 }
 

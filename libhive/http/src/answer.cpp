@@ -15,7 +15,7 @@ std::optional<Answer> refusal_of_anyone(const Request& request, const Address& b
     if (!request.host || !host_fits(*request.host, bind))
         return sentence(request.host ? 403 : 400, "Open this page by its address.");
     if (Pass::cross_site(request))
-        return sentence(403, "Other pages may not look.");
+        return sentence(403, "Cross-site access denied.");
     if (!pass.in_address(request) && !pass.in_cookie(request))
         return sentence(403, hint);
     return std::nullopt;

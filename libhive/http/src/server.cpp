@@ -276,7 +276,7 @@ MHD_Result Server::Core::answer(MHD_Connection* connection, const Request& reque
         visitor.doing = Visitor::answering;
         visitor.since = now;
     }
-    auto answer = !visit.again && full()                ? sentence(503, "Too many are looking.")
+    auto answer = !visit.again && full()                ? sentence(503, "Too many viewers.")
                   : visitor.body.size() > visitor.takes ? sentence(413, "The body is too long.")
                                                         : site_.answer(request, visit);
     if (!answer) {

@@ -61,7 +61,7 @@ std::vector<std::string> Application::find(const std::string& pattern)
     auto names = core_->directory.names();
     std::erase_if(names, [&](const std::string& name) { return !matches_glob(pattern, name); });
     if (names.empty())
-        throw Error(Errc::not_found, "no drone that runs fits " + in_quotes(pattern));
+        throw Error(Errc::not_found, "no drone matches " + in_quotes(pattern));
     return names;
 }
 
@@ -119,7 +119,7 @@ Json Application::set(const std::string& drone, const Json& parameters)
     } catch (const Error& error) {
         if (error.code() != Errc::timeout || event::Clock::now() < until)
             throw;
-        throw Error(Errc::timeout, drone + ": unknown whether it has the new values: no answer came in time");
+        throw Error(Errc::timeout, drone + ": timed out; it may have the old or the new values");
     }
 }
 

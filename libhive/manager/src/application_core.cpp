@@ -63,8 +63,8 @@ std::optional<Error> met_another(const Place& place, const event::Link& link)
 {
     if (is_here(place) || link.peer().name == place.drone)
         return std::nullopt;
-    return Error(Errc::unreachable, "at " + place.address + " is " + link.peer().name + ", and not " + place.drone,
-                 place.announced ? "" : "strike it off the list: hivectl place remove " + place.drone);
+    return Error(Errc::unreachable, place.address + " is " + link.peer().name + ", not " + place.drone,
+                 place.announced ? "" : "remove the entry: hivectl place remove " + place.drone);
 }
 
 Application::Core::Core(Application::Options options)
@@ -196,7 +196,7 @@ void Application::Core::begin(const Asking& asking)
 void Application::Core::require_not_cancelled() const
 {
     if (cancelled && cancelled())
-        throw Error(Errc::stopped, "cancelled while it waited for an answer; whether it has had its effect is unknown");
+        throw Error(Errc::stopped, "cancelled while waiting for an answer; the outcome is unknown");
 }
 
 void Application::Core::wait(event::Clock::time_point deadline, const std::function<bool()>& done)
@@ -236,7 +236,7 @@ std::optional<Error> Application::Core::wait_until_gone(const Place& place, even
     bool killed = false;
     while (answers(place)) {
         if (event::Clock::now() >= until && (killed || !is_here(place)))
-            return Error(Errc::timeout, place.drone + " was told to stop and still runs");
+            return Error(Errc::timeout, place.drone + " has not stopped yet");
         if (event::Clock::now() >= until) {
             kill(place.drone);
             killed = true;

@@ -107,7 +107,7 @@ void compare_counts(AuditRow& row, const Answers& sender, const Answers& receive
     const auto known = dealt_with(*receiver[1], input), worked = input.processed + input.unmatched;
     if (first.receiver_first && before.plain <= 1 && before.acknowledged > known)
         row.differences.push_back("the sender counts " + std::to_string(before.acknowledged)
-                                  + " acknowledged events, of which the receiver knows " + std::to_string(known));
+                                  + " acknowledged events, and the receiver reports " + std::to_string(known));
     if (first.sender_first && after.known && worked > after.sent)
         row.differences.push_back("the receiver has processed " + std::to_string(worked)
                                   + " events, of which the sender has sent " + std::to_string(after.sent));
@@ -135,8 +135,9 @@ void compare_states(AuditRow& row, const Answers& sender, const Answers& receive
 void check_ends(AuditRow& row)
 {
     if (const auto& edge = row.ends.at_sender; edge && (edge->events.in_flight() < edge->waiting || edge->waiting < 0))
-        row.differences.push_back("the sender counts more events than came: " + std::to_string(edge->events.total())
-                                  + " came, " + std::to_string(edge->events.in_flight()) + " are left over");
+        row.differences.push_back("the sender counts more events than it offered: "
+                                  + std::to_string(edge->events.total()) + " came, "
+                                  + std::to_string(edge->events.in_flight()) + " are left over");
     if (const auto& input = row.ends.at_receiver; input && !balances(*input))
         row.differences.push_back("the receiver's counts do not add up to the " + std::to_string(input->received)
                                   + " events that it has received");

@@ -187,7 +187,7 @@ bool JointSet::lost_one()
 {
     for (const auto& part : parts_)
         if (part->prepared && !error_in(part->prepared) && !part->link->open()) {
-            part->prepared = Error(Errc::connection_lost, "its connection ended before the set was decided");
+            part->prepared = Error(Errc::connection_lost, "its connection was lost before the commit");
             return true;
         }
     return false;
@@ -208,17 +208,16 @@ bool JointSet::only_locked() const
 SetResult JointSet::unchanged() const
 {
     const auto culprit = std::ranges::find_if(parts_, [](const PartPtr& part) { return error_in(part->prepared); });
-    const std::string why =
-        culprit == parts_.end()
-            ? (terms_.cancelled() ? "the set was cancelled" : "the set came to its deadline before it was decided")
-            : (*culprit)->drone + " could not be set";
+    const std::string why = culprit == parts_.end()
+                                ? (terms_.cancelled() ? "the set was cancelled" : "the set timed out")
+                                : (*culprit)->drone + " could not be set";
     SetResult result{.answers = {}, .changed = SetResult::Changed::none};
     for (const auto& part : parts_)
         if (const auto* error = error_in(part->prepared))
             result.answers.push_back({part->drone, {}, named(part->drone, *error)});
         else
             result.answers.push_back(
-                {part->drone, {}, Error(Errc::refused, part->drone + ": left as it was, because " + why)});
+                {part->drone, {}, Error(Errc::refused, part->drone + ": unchanged, because " + why)});
     return result;
 }
 
@@ -238,8 +237,7 @@ SetResult JointSet::committed() const
             {part->drone,
              {},
              Error(unknown ? Errc::connection_lost : error->code(),
-                   part->drone
-                       + (unknown ? ": unknown whether it has the new values: " : ": has its old values still: ")
+                   part->drone + (unknown ? ": unknown whether it has the new values: " : ": kept its old values: ")
                        + error->what())});
     }
     return result;

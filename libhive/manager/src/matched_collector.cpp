@@ -67,7 +67,7 @@ std::unique_ptr<MatchedCollector> Application::collect_matched(const std::vector
     if (inputs.size() < 2)
         throw Error(Errc::invalid_argument, "a set takes two outputs or more");
     if (options.ordered)
-        throw Error(Errc::invalid_argument, "sets come as they are complete, not in order");
+        throw Error(Errc::invalid_argument, "matched sets cannot be ordered");
     return std::make_unique<CollectorOfSets>(collect(ends, options), inputs, match);
 }
 

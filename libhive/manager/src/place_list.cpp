@@ -67,7 +67,7 @@ try {
     return places;
 } catch (const Error& error) {
     throw Error(Errc::malformed, file.string() + " cannot be read: " + error.what(),
-                "mend it, or begin anew: rm " + file.string());
+                "fix it, or delete it: rm " + file.string());
 }
 
 void require_possible(const Place& place)
@@ -75,8 +75,8 @@ void require_possible(const Place& place)
     require_name(place.drone, "drone");
     const auto address = transport::parse_address(place.address);
     if (address.scheme != transport::Address::Scheme::tcp || address.port == 0)
-        throw Error(Errc::invalid_argument, place.address + " is no place on a network",
-                    "write tcp://HOST:PORT; the drones of this machine are found without");
+        throw Error(Errc::invalid_argument, place.address + " is not a TCP address",
+                    "write tcp://HOST:PORT; local drones need no entry");
     if (place.host.empty() || place.host == Place::here)
         throw Error(Errc::invalid_argument, "a place on another machine is not called " + in_quotes(place.host));
 }
@@ -91,7 +91,7 @@ const std::vector<Place>& PlaceList::places() const
     struct stat now {};
     if (::stat(file_.c_str(), &now) != 0) {
         if (errno != ENOENT)
-            throw Error(Errc::io, "cannot look at " + file_.string() + ": " + std::strerror(errno));
+            throw Error(Errc::io, "cannot stat " + file_.string() + ": " + std::strerror(errno));
         now = {};
         read_.clear();
     } else if (!same_file(now, of_)) {

@@ -20,8 +20,7 @@ const std::string& require_host(const std::string& ssh)
                       && std::ranges::all_of(ssh, [](unsigned char c) { return c > ' ' && c < 0x7F; })
                       && ssh.find_first_of("'\"`$;&|<>()\\/") == std::string::npos;
     if (!fits)
-        throw Error(Errc::invalid_argument, in_quotes(ssh) + " is not a host as ssh takes it",
-                    "write HOST or USER@HOST");
+        throw Error(Errc::invalid_argument, in_quotes(ssh) + " is not a valid ssh host", "write HOST or USER@HOST");
     return ssh;
 }
 
@@ -111,7 +110,7 @@ std::string Remote::met_at(const std::vector<std::string>& places, const std::st
         const bool number6 = address.find(':') != std::string::npos;
         return std::string(on_network) + (number6 ? "[" + address + "]" : address) + place.substr(place.rfind(':'));
     }
-    throw Error(Errc::failed, "the drone on " + host() + " listens at no port", "let it: --listen tcp://0.0.0.0");
+    throw Error(Errc::failed, "the drone on " + host() + " listens at no port", "add --listen tcp://0.0.0.0");
 }
 
 CommandResult Remote::hivectl(const std::vector<std::string>& words, std::chrono::milliseconds limit) const
@@ -125,7 +124,7 @@ int Remote::hivectl_attached(const std::vector<std::string>& words) const
 {
     const int code = run_attached(command(words));
     if (code == ssh_failed || code == no_hivectl)
-        require_there({.exit_code = code, .out = {}, .err = "it said so above"});
+        require_there({.exit_code = code, .out = {}, .err = "see above"});
     return code;
 }
 

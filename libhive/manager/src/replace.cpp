@@ -25,9 +25,8 @@ Predecessor predecessor(Application& application, const event::Home& home, const
 void require_forgettable(const Predecessor& before, const DroneOrder& order)
 {
     if (before.interface.stateful && !order.lose_state)
-        throw Error(Errc::refused,
-                    before.status.name + " remembers earlier events, and the new one would begin with an empty memory",
-                    "if that may be: --lose-state");
+        throw Error(Errc::refused, before.status.name + " keeps state, which the new process would not have",
+                    "to accept this: --lose-state");
 }
 
 /// The new order, completed from the old one. Later settings of the old drone, and its ports, are in its saved state.

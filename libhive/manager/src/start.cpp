@@ -32,7 +32,7 @@ void require_free(Application& application, const StartOptions& options)
         const bool listed = application.forget_place(place);
         if (options.told)
             options.told(name + where + ", does not answer; "
-                         + (listed ? "that place is forgotten" : "it is taken to be gone"));
+                         + (listed ? "its address was removed" : "it is presumed gone"));
         return;
     }
     throw Error(Errc::name_taken, name + " is running already" + where,

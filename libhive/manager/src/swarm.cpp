@@ -132,7 +132,7 @@ SwarmOutcome Swarm::up(std::chrono::milliseconds patience, const SwarmWatch& wat
     if (!outcome.failures.empty()) {
         if (watch.told && (is_cancelled(watch) || starts_elsewhere(plan_, outcome.steps)))
             watch.told(std::string(is_cancelled(watch) ? "interrupted: " : "")
-                       + "undoing what was begun. Drones that are just being started on other machines are waited for "
+                       + "rolling back. Drones that are just being started on other machines are waited for "
                          "first");
         outcome.remains = changes.undo();
         append(outcome.remains, restarting.undo());

@@ -37,8 +37,8 @@ constexpr int owner_alone = 0600;  // images are private to the user
     case ENOTDIR: throw std::runtime_error("there is no folder " + (folder / path).parent_path().string());
     case EISDIR: throw std::runtime_error(whole + " is not a file");
     case EEXIST:
-        throw std::runtime_error(
-            whole + " is there already; choose another name, or overwrite it (overwrite=on, --overwrite)");
+        throw std::runtime_error(whole
+                                 + " already exists; choose another name, or overwrite it (overwrite=on, --overwrite)");
     default: errno = error; fail("cannot make " + whole);
     }
 }
@@ -96,7 +96,7 @@ File File::create(const std::filesystem::path& folder, const std::filesystem::pa
     if (::flock(file.descriptor_, LOCK_EX | LOCK_NB) != 0)
         throw std::runtime_error("another process is recording into " + (folder / path).string());
     if (!file.is_empty_or_recording())
-        throw std::runtime_error((folder / path).string() + " is no recording, and is not overwritten");
+        throw std::runtime_error((folder / path).string() + " is not a recording, and is not overwritten");
     file.truncate(0);
     return file;
 }

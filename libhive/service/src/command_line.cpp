@@ -34,11 +34,11 @@ void require_advertisable(const service::ListenWish& wish)
     for (const auto& text : wish.advertise) {
         const auto address = service::listen_address(text);
         if (address.scheme != transport::Address::Scheme::tcp || address.host == "0.0.0.0" || address.host == "::")
-            throw Error(Errc::invalid_argument, "--advertise " + text + ": nobody could dial that",
-                        "write tcp://HOST or tcp://HOST:PORT, as other machines know this one");
+            throw Error(
+                Errc::invalid_argument, "--advertise " + text + ": cannot be dialed",
+                "write tcp://HOST or tcp://HOST:PORT, with a host name or address that other machines can reach");
         if (wish.listen.empty())
-            throw Error(Errc::invalid_argument,
-                        "--advertise " + text + " says where a port is found, but there is none",
+            throw Error(Errc::invalid_argument, "--advertise " + text + " needs a port to advertise",
                         "add --listen tcp://HOST:PORT");
     }
 }
@@ -77,35 +77,32 @@ void declare(CLI::App& app, DroneSettings& settings, const OrderField& field)
 
 void declare(CLI::App& app, DroneSettings& settings, Words& words)
 {
-    app.set_help_flag("-h,--help", "print this, and end");
+    app.set_help_flag("-h,--help", "print this and exit");
     app.add_option("--name", settings.name, "name in the swarm")->capture_default_str();
-    app.add_option("--set", words.assignments, "a parameter, NAME=VALUE; may be repeated (see --describe)")
-        ->type_name("NAME=VALUE");
+    app.add_option("--set", words.assignments, "set a parameter; repeatable (see --describe)")->type_name("NAME=VALUE");
     app.add_option("--connect", words.connections,
-                   "receive from there as soon as the sender is there, and again after each loss; may be repeated. "
-                   "INPUT may be left out where there is only one. OPTIONs, of which `at` says where the sender "
-                   "listens, if it is not met in this home: "
+                   "receive from this output once the sender is up, and reconnect when it is lost; repeatable. Omit "
+                   "INPUT if there is only one. OPTIONs (`at`: address of a sender outside of this runtime directory): "
                        + connection_option_words())
         ->type_name("[INPUT=]DRONE.OUTPUT[,OPTION...]")
         ->allow_extra_args(false);
     app.add_option("--expect", words.expected,
-                   "wait for this receiver before emitting lossless events; may be repeated. OUTPUT may be omitted if "
-                   "there is only one. `hivectl disconnect` ends the wait")
+                   "wait for this receiver before emitting lossless events; repeatable. Omit OUTPUT if there is only "
+                   "one. `hivectl disconnect` ends the wait")
         ->type_name("[OUTPUT=]DRONE.INPUT[,group=NAME]")
         ->allow_extra_args(false);
     for (const auto& field : order_fields())
         if (!field.option.empty())
             declare(app, settings, field);
     app.add_option("--swarm", settings.swarm,
-                   "the swarm that it belongs to, whose `hivectl down` ends it; without it none, or after a crash the "
-                   "one before")
+                   "its swarm, which `hivectl down` stops (default: none, or after a crash the one before)")
         ->type_name("NAME");
     app.add_option("--take-over", words.take_over_s,
-                   "take name, parameters and connections over from the running drone of this name, once this one is "
-                   "ready; end if that takes longer than so many seconds (see `hivectl replace`)")
+                   "once ready, take over the name, parameters and connections of the running drone of this name; exit "
+                   "if not ready in time (see `hivectl replace`)")
         ->type_name("SECONDS")
         ->check(CLI::Range(0.001, 86400.0));
-    app.add_flag("--describe", settings.describe, "print inputs, outputs and parameters as JSON, and end");
+    app.add_flag("--describe", settings.describe, "print the interface as JSON and exit");
     app.set_version_flag("--version", std::string(HIVE_VERSION));
 }
 
@@ -163,8 +160,7 @@ void require_sound(const ListenWish& wish)
 std::optional<DroneSettings> read_command_line(int argc, const char* const* argv, const DroneProgram& program,
                                                int& exit_code)
 {
-    CLI::App app(program.summary + "\nA drone of a Hive swarm: usually started by `hivectl start " + program.kind
-                     + "`.",
+    CLI::App app(program.summary + "\nA Hive drone, usually started by `hivectl start " + program.kind + "`.",
                  "hive-" + program.kind);
     DroneSettings settings;
     settings.name = program.kind;

@@ -330,7 +330,7 @@ Status DroneCore::status()
     if (stopping() && last_status_)
         return *last_status_;
     if (!running_)
-        throw Error(Errc::invalid_argument, "a drone that does not run yet has no status");
+        throw Error(Errc::invalid_argument, "status() was called before run()");
     Status now;
     running_->module.call([&] { now = running_->requests.status(); });
     return now;
@@ -356,7 +356,7 @@ void DroneCore::wake()
 void DroneCore::stop()
 {
     if (!running_)
-        throw Error(Errc::invalid_argument, "nothing can be stopped before run()");
+        throw Error(Errc::invalid_argument, "stop() was called before run()");
     running_->module.post([this] { end(); });
 }
 

@@ -142,7 +142,7 @@ const Port& Emitter::port_to_emit(std::size_t output, const Json& header) const
 {
     const Port& port = interface_.outputs[output];
     if (!module_)
-        throw Error(Errc::invalid_argument, "output " + port.name + ": nothing can be emitted before run()");
+        throw Error(Errc::invalid_argument, "output " + port.name + ": emit() was called before run()");
     if (!header.is_object())
         throw Error(Errc::invalid_argument, "output " + port.name + ": the header of an event must be a JSON object");
     return port;

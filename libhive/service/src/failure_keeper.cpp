@@ -67,7 +67,7 @@ std::string FailureKeeper::how_it_died(const event::Link& link, Fate how) const
     } catch (const Error&) {
         // A truncated file, because of a full disk: the crash is kept without its cause.
     }
-    return how == Fate::lost_cut_off ? "gave no sign of life and was cut off"
+    return how == Fate::lost_cut_off ? "was silent and was disconnected"
            : link.local()            ? "its process ended"
                                      : "its connection ended";
 }

@@ -40,8 +40,7 @@ void ParameterRequests::on_get(const Incoming& incoming) const
     if (incoming.role == Role::viewer)
         for (const auto& parameter : parts_.parameters.declared())
             if (parameter.for_operator && values.erase(parameter.name) > 0 && !names.empty())
-                throw Error(Errc::not_permitted,
-                            parameter.name + " concerns the drone's machine, which a viewer may not know");
+                throw Error(Errc::not_permitted, parameter.name + " concerns the drone's machine: hidden from viewers");
     incoming.answer(Json{{"parameters", std::move(values)}});
 }
 
@@ -98,10 +97,10 @@ void ParameterRequests::propose(Proposal::Terms terms)
 void ParameterRequests::require_free(const std::string& asker)
 {
     if (held_ && !held_->wanted() && !held_->committed())
-        give_up(held_, Error(Errc::connection_lost, "the asker is gone"));
+        give_up(held_, Error(Errc::connection_lost, "the application is gone"));
     if (held_) {
         turns_.refused(asker);
-        throw Error(Errc::locked, parts_.module.self().name + " is just being set by " + held_->asker());
+        throw Error(Errc::locked, parts_.module.self().name + " is being set by " + held_->asker());
     }
     if (const auto owner = turns_.taken_by(asker, Clock::now()); !owner.empty())
         throw Error(Errc::locked, parts_.module.self().name + " is to be set by " + owner + " next");
@@ -111,9 +110,9 @@ ProposalPtr ParameterRequests::held(const Incoming& incoming, std::int64_t token
 {
     if (held_ && held_->has(token, incoming.connection) && held_->undecided())
         return held_;
-    throw Error(Errc::not_found, parts_.module.self().name
-                                     + " holds no set of this token: it was aborted, or its time is over; the old "
-                                       "values hold");
+    throw Error(Errc::not_found,
+                parts_.module.self().name
+                    + " has no pending set with this token: aborted or expired; the old values are kept");
 }
 
 void ParameterRequests::on_commit(const Incoming& incoming, std::int64_t token)
@@ -154,7 +153,7 @@ void ParameterRequests::on_deadline(const ProposalPtr& proposal)
 
 Error ParameterRequests::too_late() const
 {
-    return {Errc::timeout, parts_.module.self().name + " was busy until the deadline had passed; nothing was set"};
+    return {Errc::timeout, parts_.module.self().name + " was busy past the deadline; nothing was set"};
 }
 
 void ParameterRequests::end()
@@ -188,7 +187,7 @@ bool ParameterRequests::begin(const ProposalPtr& proposal)
     if (Clock::now() >= proposal->deadline())
         give_up(proposal, too_late());
     else if (!proposal->wanted())
-        give_up(proposal, Error(Errc::connection_lost, "the asker is gone"));
+        give_up(proposal, Error(Errc::connection_lost, "the application is gone"));
     return proposal->undecided();
 }
 

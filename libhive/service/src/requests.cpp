@@ -107,7 +107,7 @@ void Requests::on_put(const Incoming& incoming)
     const auto& name = parts_.module.self().name;
     const Port& input = port_named(parts_.declaration.interface.inputs, name, "input", fields.name("input"));
     if (parts_.board.halted())
-        throw Error(Errc::halted, name + " has halted", "let it go on: hivectl resume " + name);
+        throw Error(Errc::halted, name + " has halted", "resume it: hivectl resume " + name);
     Event event = put_event(incoming);
     if (!types_fit(event.type, input.type))
         throw Error(Errc::type_mismatch,

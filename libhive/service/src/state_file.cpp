@@ -105,8 +105,7 @@ void StateFile::remember()
         forgetful_ = false;
     } catch (const std::exception& error) {
         if (!std::exchange(forgetful_, true))
-            reporter_.report(
-                Error(Errc::io, std::string("what this drone is told would not outlive a crash: ") + error.what()));
+            reporter_.report(Error(Errc::io, std::string("cannot save state for crash recovery: ") + error.what()));
     }
 }
 

@@ -127,8 +127,8 @@ IntakeSpec Wiring::intake_spec(const protocol::Connect& connect) const
     const auto address =
         connect.address.empty() ? home_.address(connect.drone) : transport::parse_address(connect.address);
     if (address == home_.address(self))
-        throw Error(Errc::invalid_argument, self + " cannot receive its own output " + connect.output
-                                                + ": each event would bring forth the next");
+        throw Error(Errc::invalid_argument,
+                    self + " cannot receive its own output " + connect.output + ": each event would cause another");
     return {.sender = connect.drone,
             .output = connect.output,
             .address = address,

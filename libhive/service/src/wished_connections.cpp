@@ -21,8 +21,8 @@ void require_dialable(const std::string& text)
     const auto address = transport::parse_address(text);
     const bool nowhere = address.host == "0.0.0.0" || address.host == "::";
     if (address.scheme == transport::Address::Scheme::tcp && (nowhere || address.port == 0))
-        throw Error(Errc::invalid_argument, "nobody can dial " + text,
-                    "write at=tcp://HOST:PORT, where the sender listens, as this machine knows it");
+        throw Error(Errc::invalid_argument, "cannot dial " + text,
+                    "write at=tcp://HOST:PORT, the sender's address as seen from this machine");
 }
 
 /// The only port. @param what  "input"

@@ -95,7 +95,7 @@ void Borrowing::end() noexcept { borrowed_->end(); }
 void Borrowing::map(const protocol::Segment& offered, Descriptor descriptor, std::uint64_t most_body)
 {
     if (!descriptor)
-        throw Error(Errc::malformed, "segment: no descriptor came with it");
+        throw Error(Errc::malformed, "segment: without a descriptor");
     if (mappings_.contains(offered.id) || mappings_.size() == most_borrowed_segments)
         throw Error(Errc::malformed, "segment: number " + std::to_string(offered.id) + " a second time, or more than "
                                          + std::to_string(most_borrowed_segments));

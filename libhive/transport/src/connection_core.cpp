@@ -65,7 +65,7 @@ Carriage ConnectionCore::send(protocol::Packet packet, Connection::Written writt
     writer_.push(std::move(packet), std::move(written));
     if (writer_.control_bytes() > timing_.control_bytes)
         end(about_peer({Errc::too_large, "it does not read: " + std::to_string(writer_.control_bytes())
-                                             + " bytes of control packets wait"}));
+                                             + " bytes of control data wait"}));
     else
         write();
     return carriage;
@@ -137,7 +137,7 @@ void ConnectionCore::abandon()
 {
     if (handlers_)  // their captures are destroyed from the event loop, not inside the user's reset()
         asio::post(context_, [dropped = std::exchange(handlers_, nullptr)] {});
-    end(Error(Errc::stopped, "nobody holds the connection any more"));
+    end(Error(Errc::stopped, "the connection was released"));
 }
 
 Error ConnectionCore::about_peer(const Error& error) const { return error.reworded(peer_ + ": " + error.what()); }

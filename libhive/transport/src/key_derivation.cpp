@@ -16,7 +16,7 @@ SwarmKey new_swarm_key(std::int64_t now_s)
 {
     SwarmKey key;
     if (::RAND_bytes(key.secret.data(), static_cast<int>(key.secret.size())) != 1)
-        throw Error(Errc::io, "the operating system gives no random bytes");
+        throw Error(Errc::io, "the operating system provides no random bytes");
     key.id = transport::id_of(key.secret);
     key.created_s = now_s;
     return key;

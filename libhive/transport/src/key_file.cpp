@@ -114,7 +114,7 @@ Descriptor open_regular(const fs::path& file)
     if (!opened || ::fstat(opened.get(), &info) != 0)
         throw Error(Errc::io, "cannot read the swarm key " + file.string() + ": " + os_text(errno));
     if (!S_ISREG(info.st_mode))
-        throw Error(Errc::malformed, file.string() + " is no swarm key: it is not a file");
+        throw Error(Errc::malformed, file.string() + " is not a swarm key: it is not a file");
     return opened;
 }
 
@@ -128,7 +128,7 @@ void require_private(const Descriptor& opened, const fs::path& file)
         throw Error(Errc::not_permitted, "the swarm key " + file.string() + " belongs to another user",
                     "make a copy of your own");
     if ((info.st_mode & 077) != 0)
-        throw Error(Errc::not_permitted, "others may read the swarm key " + file.string(),
+        throw Error(Errc::not_permitted, "others can read the swarm key " + file.string(),
                     "close it: chmod 600 " + file.string());
 }
 
@@ -174,7 +174,7 @@ void put_in_place(const fs::path& fresh, const fs::path& file, KeyFileMode mode)
         ::unlink(fresh.c_str());
     if (failed != 0 && why == EEXIST)
         throw Error(Errc::name_taken, "there is a swarm key already: " + file.string(),
-                    "change it: hivectl key rotate; or name another file");
+                    "rotate it: hivectl key rotate; or use another file");
     if (failed != 0)
         throw Error(Errc::io, "cannot write " + file.string() + ": " + os_text(why));
 }
@@ -207,7 +207,7 @@ fs::path default_key_file()
 void require_members(const std::vector<SwarmKey>& keys, const fs::path& file)
 {
     if (keys.front().role != Role::member)
-        throw Error(Errc::not_permitted, file.string() + " is a viewers' key, and a drone needs the members'",
+        throw Error(Errc::not_permitted, file.string() + " is a viewers' key; drones need the members' key",
                     "copy the members' key here");
 }
 
@@ -217,8 +217,7 @@ try {
         throw Error(Errc::not_found, "there is no swarm key", "make one: hivectl key new");
     require_members(transport::KeyRing(file, true).own(), file);
 } catch (const Error& error) {
-    throw Error(Errc::not_permitted,
-                subject + "anybody who reaches this port could control the drone, and " + error.what(),
+    throw Error(Errc::not_permitted, subject + "anyone could control the drone through this port, and " + error.what(),
                 error.advice() + "; or, on a network that you trust wholly, add " + insecure);
 }
 
@@ -230,7 +229,7 @@ std::vector<SwarmKey> read_key_file(const fs::path& file)
     try {
         keys = keys_from(parse_json(text, {.bytes = most_bytes, .depth = 4, .keys = 16, .string_bytes = 256}));
     } catch (const Error& error) {
-        throw Error(Errc::malformed, file.string() + " is no swarm key: " + error.what());
+        throw Error(Errc::malformed, file.string() + " is not a swarm key: " + error.what());
     }
     require_private(opened, file);
     return keys;

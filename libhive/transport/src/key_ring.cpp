@@ -52,8 +52,8 @@ void KeyRing::refresh()
         read();
     drop_ended();
     if (own_.empty())
-        throw Error(Errc::not_permitted, "the swarm key " + file_.string() + " holds no longer",
-                    "copy the swarm's present one from a machine that has it");
+        throw Error(Errc::not_permitted, "the swarm key " + file_.string() + " has expired",
+                    "copy the current key from another machine");
 }
 
 void KeyRing::read()

@@ -45,7 +45,7 @@ std::optional<Error> Liveness::verdict(Clock::time_point now, bool inside)
     if (now >= heard_ + timing_.silence)
         return Error(Errc::connection_lost, "no sign of life for " + duration_text(timing_.silence));
     if (inside && too_slow(now))
-        return Error(Errc::timeout, "a packet came at less than 64 KiB/s for " + duration_text(timing_.stall));
+        return Error(Errc::timeout, "a packet arrived at less than 64 KiB/s for " + duration_text(timing_.stall));
     return {};
 }
 

@@ -48,7 +48,7 @@ void require_whole_pages(std::uint64_t slot_size)
 {
     if (slot_size % page_size() != 0)
         throw Error(Errc::malformed, "shared memory in slots of " + std::to_string(slot_size)
-                                         + " bytes, which is no multiple of a page");
+                                         + " bytes, not a multiple of the page size");
 }
 
 }  // namespace
@@ -94,7 +94,7 @@ std::span<const std::byte> Mapping::bytes(const protocol::Reference& reference)
     std::vector<unsigned char> there(pages.size() / page_size());
     if (::mincore(pages.data(), pages.size(), there.data()) != 0
         || std::ranges::any_of(there, [](unsigned char page) { return (page & 1) == 0; }))
-        throw Error(Errc::io, "a reference to memory that was never written, or is not there any more");
+        throw Error(Errc::io, "a reference to memory that was never written or no longer exists");
     ::madvise(pages.data(), pages.size(), MADV_POPULATE_READ);  // otherwise page by page, as on old kernels
     seen = pages;
     return bytes;

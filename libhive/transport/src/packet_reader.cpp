@@ -64,9 +64,9 @@ void PacketReader::require_hive() const
     if (may_be_tls && bytes < 2)
         return;
     if (may_be_tls && at[1] == 0x03)
-        throw Error(Errc::not_permitted, "it speaks TLS, which goes with a swarm key, and this end speaks without one",
+        throw Error(Errc::not_permitted, "it uses TLS, which needs a swarm key, and this end has no key",
                     "both ends need the same key: hivectl key show");
-    throw Error(Errc::malformed, "not a Hive packet: it does not begin with HIVE");
+    throw Error(Errc::malformed, "not a Hive packet: it does not start with HIVE");
 }
 
 bool PacketReader::take_prefix(const Judge& wants_body)

@@ -53,9 +53,9 @@ void remove_stale(const sockaddr_un& at, const Address& address)
         throw os_failure(address, {});
     }
     if (!S_ISSOCK(found.st_mode))
-        throw failure(address, Errc::name_taken, "there is a file that is no socket");
+        throw failure(address, Errc::name_taken, "the file there is not a socket");
     if (is_answered(at))
-        throw failure(address, Errc::name_taken, "a living module listens there");
+        throw failure(address, Errc::name_taken, "another module listens there");
     if (::unlink(at.sun_path) != 0 && errno != ENOENT)
         throw os_failure(address, "the stale socket cannot be removed");
 }

@@ -81,14 +81,14 @@ private:
     {
         const auto bytes = peek(protocol::prefix_size);
         if (bytes.empty())
-            return fail({Errc::connection_lost, "it left before it said anything"});
+            return fail({Errc::connection_lost, "closed without sending anything"});
         if (static_cast<unsigned char>(bytes.front()) == tls_handshake_record)
             return begin();
         tell_plain_peer();
         if (bytes.starts_with(std::string_view(protocol::magic.data(), protocol::magic.size())))
-            return fail({Errc::not_permitted, "it speaks without a key, and this end wants the swarm's",
+            return fail({Errc::not_permitted, "it uses no key, and this end requires the swarm's",
                          "give it the key (hivectl key show), or start this one with --insecure"});
-        fail({Errc::malformed, "it speaks neither TLS nor Hive"});
+        fail({Errc::malformed, "it uses neither TLS nor the Hive protocol"});
     }
 
     /// Reads the peer's bytes first, since closing a socket with unread bytes would discard the alert.
@@ -127,10 +127,9 @@ private:
             return {Errc::not_permitted,
                     "its swarm key " + *talk.unknown_id + " is not known here, where " + ids(terms_.keys) + " is"};
         if (talk.shown && error.category() == tls_category())
-            return {Errc::not_permitted,
-                    "it named the swarm key " + talk.keys[*talk.shown].id + " and could not prove that it has it"};
+            return {Errc::not_permitted, "it could not prove that it has swarm key " + talk.keys[*talk.shown].id};
         if (error.category() == tls_category())
-            return {Errc::not_permitted, "it speaks TLS and has no swarm key"};
+            return {Errc::not_permitted, "it uses TLS and has no swarm key"};
         return broken_off(error);
     }
 
@@ -138,10 +137,10 @@ private:
     {
         const auto& key = terms_.keys.front();
         if (stream_->plain_peer())
-            return {Errc::not_permitted, "it speaks without a key (--insecure), and this end has one",
+            return {Errc::not_permitted, "it uses no key (--insecure), and this end has one",
                     "start it without --insecure, or go without a key here: HIVE_KEY=none"};
         if (error.category() == tls_category() || !error)
-            return {Errc::not_permitted, "wrong swarm key: it does not know " + key.id + ", the key of this end",
+            return {Errc::not_permitted, "wrong swarm key: it lacks " + key.id + ", the key of this end",
                     "both ends need the same key: hivectl key show; copy the file to where it is missing"};
         return broken_off(error);
     }
@@ -149,7 +148,7 @@ private:
     static Error broken_off(std::error_code error)
     {
         if (error == std::errc::message_size)
-            return {Errc::too_large, "it said more than 4 KB without proving a swarm key"};
+            return {Errc::too_large, "it sent over 4 KB without proving a swarm key"};
         if (error == asio::error::eof)
             return {Errc::connection_lost, "it ended the connection before the swarm key was proved"};
         return {Errc::connection_lost, "the connection broke before the swarm key was proved: " + error.message()};

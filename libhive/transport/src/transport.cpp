@@ -24,7 +24,7 @@ const Scheme& scheme_of(const Address& address)
     for (const auto& scheme : schemes)
         if (scheme.scheme == address.scheme)
             return scheme;
-    throw Error(Errc::invalid_argument, "an address of a scheme that does not exist");
+    throw Error(Errc::invalid_argument, "unknown address scheme");
 }
 
 /// An infinite time, if a test switches its defence off.

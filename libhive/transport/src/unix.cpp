@@ -18,7 +18,7 @@ std::unique_ptr<Stream> stream_to_own_user(Socket socket)
     ucred peer{};
     socklen_t size = sizeof peer;
     if (::getsockopt(socket.native_handle(), SOL_SOCKET, SO_PEERCRED, &peer, &size) != 0)
-        throw Error(Errc::io, "the peer's user cannot be told: " + os_text(errno));
+        throw Error(Errc::io, "cannot get the peer's user: " + os_text(errno));
     if (peer.uid != ::geteuid())
         throw Error(Errc::not_permitted, "the peer runs as user " + std::to_string(peer.uid) + ", this end as user "
                                              + std::to_string(::geteuid()));

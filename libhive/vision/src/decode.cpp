@@ -29,7 +29,7 @@ JpegStructure checked_jpeg(const Body& body, const DecodeLimits& limits)
     check_pixels(jpeg.width, jpeg.height, limits, "JPEG");
     if (std::int64_t{jpeg.width} * jpeg.height * jpeg.scans > limits.pixel_scans)
         throw Error(Errc::too_large,
-                    "JPEG: " + std::to_string(jpeg.scans) + " scans are too many for so large a picture");
+                    "JPEG: " + std::to_string(jpeg.scans) + " scans are too many for an image of this size");
     return jpeg;
 }
 
@@ -133,7 +133,7 @@ cv::Mat view(const Event& event, const DecodeLimits& limits)
         const cv::Size size = size_of(body, event.type, limits);
         if (std::int64_t{size.width} * size.height
             > fields.integer("width", 1, 1 << 20) * fields.integer("height", 1, 1 << 20))
-            throw Error(Errc::malformed, "the picture is larger than its header says");
+            throw Error(Errc::malformed, "the image is larger than its header says");
     }
     return picture_of(body, event.type, limits, header);
 }

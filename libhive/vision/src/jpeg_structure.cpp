@@ -49,7 +49,7 @@ public:
     JpegStructure run()
     {
         if (bytes_.size() < 4 || bytes_[0] != 0xFF || bytes_[1] != soi)
-            malformed("does not begin with a start-of-image marker");
+            malformed("does not start with a start-of-image marker");
         position_ = 2;
         while (segment(marker())) {
         }
@@ -96,7 +96,7 @@ private:
         if (marker == eoi)
             return false;
         if (marker == soi || marker == stuffed)
-            malformed("a marker stands where it may not");
+            malformed("a marker in an invalid place");
         if (stands_alone(marker))
             return true;
         const Bytes inside = contents();

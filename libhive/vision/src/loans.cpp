@@ -42,7 +42,7 @@ Loan LoanAllocator::lend(std::size_t bytes) const
 {
     const std::lock_guard lock(mutex_);
     if (!lend_)
-        throw Error(Errc::stopped, "nobody lends any more");
+        throw Error(Errc::stopped, "lending has stopped");
     return lend_(bytes);
 }
 

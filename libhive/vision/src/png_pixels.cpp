@@ -31,7 +31,7 @@ constexpr png_uint_32 pixel_chunk = 0x49444154;  // IDAT
 std::span<const std::uint8_t> with_header(std::span<const std::uint8_t> bytes)
 {
     if (bytes.size() < beginning.size() || !std::ranges::equal(beginning, bytes.first(beginning.size())))
-        malformed("does not begin with a signature and an image header");
+        malformed("does not start with a signature and an image header");
     return bytes;
 }
 
@@ -150,7 +150,7 @@ bool Reading::rows(cv::Mat& picture)
     png_read_update_info(png_, info_);
     if (png_get_rowbytes(png_, info_) != static_cast<std::size_t>(picture.cols) * 3
         || png_get_image_height(png_, info_) != static_cast<png_uint_32>(picture.rows))
-        png_error(png_, "rows of another size than its header says");
+        png_error(png_, "rows of another size than in its header");
     for (int pass = 0; pass < passes; ++pass)
         for (int y = 0; y < picture.rows; ++y)
             png_read_row(png_, picture.ptr(y), nullptr);

@@ -226,7 +226,7 @@ TEST_CASE("drone: a prepared set that is aborted, whose asker ends, or whose tim
         REQUIRE(raw::text_of(drone.prepare(drone.asker, 7)) == "");
         drone.asker.close();
     }
-    SUBCASE("its time is over") { REQUIRE(raw::text_of(drone.prepare(drone.asker, 7, 1000)) == ""); }
+    SUBCASE("expired") { REQUIRE(raw::text_of(drone.prepare(drone.asker, 7, 1000)) == ""); }
     // Waits until the first one is decided; within its deadline of 5 s.
     const Json set = drone.other.ask(raw::set, {{"parameters", Json::object()}});
     CHECK(raw::text_of(set) == "");

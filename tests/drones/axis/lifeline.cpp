@@ -111,8 +111,8 @@ TEST_CASE("lifeline: a password that is tried no more is tried once more for eac
     CHECK(line.next_try() < start + 9s);  // it is being tried anyway
     line.failed(wrong, start);
     CHECK(line.condition(start)
-          == "auth_failed: wrong password; to try it again, touch the file of credentials or set credentials again, "
-             "also to the same");
+          == "auth_failed: wrong password; to retry, touch the credentials file or set credentials again, even to the "
+             "same path");
     for (const auto now : {start + 9s, start + 99s}) {
         line.once_more(now);
         CHECK_FALSE(line.locked_out());

@@ -99,7 +99,7 @@ TEST_CASE("axis login: over http a password is not sent readable unless that is 
     const EmulatedCamera camera(swarm, {"auth=basic"});
     const auto drone = axis_drone(swarm, camera, {"credentials=" + credentials_file(swarm, "root:wrong")});
     auto application = swarm.application();
-    REQUIRE(comes_to_say(application, "auth_failed: the camera takes only a readable password"));
+    REQUIRE(comes_to_say(application, "auth_failed: the camera offers only basic authentication"));
     CHECK(camera.count("wrong_logins") == 0);
 }
 

@@ -34,7 +34,7 @@ TEST_CASE("axis misbehaviour: answers that are no pictures are told by their kin
     auto application = swarm.application();
     const auto collector = application.collect({{"axis", "image"}});
     for (const Wrong& wrong : {Wrong{"foreign=on", "foreign=off", "not a VAPIX device"},
-                               {"html=on", "html=off", "not a picture: the camera sends text/html"},
+                               {"html=on", "html=off", "not an image: the camera sends text/html"},
                                {"redirect=http://a:b@127.0.0.1:1/x?y", "redirect=", "http://127.0.0.1:"},
                                {"status=503", "status=200", "http://127.0.0.1:"},
                                {"huge_head=on", "huge_head=off", "the head of the answer is larger"},
@@ -53,12 +53,12 @@ TEST_CASE("axis misbehaviour: broken streams give no broken picture")
     auto application = swarm.application();
     const auto collector = application.collect({{"axis", "image"}});
     for (const Wrong& wrong : {Wrong{"truncated=on&close_after=-1", "truncated=off&close_after=10",
-                                     "stalled: no whole picture: it is cut short"},
+                                     "stalled: no complete image: it is cut short"},
                                {"truncated=on&length=missing&close_after=-1",
-                                "truncated=off&length=right&close_after=10", "stalled: no whole picture"},
+                                "truncated=off&length=right&close_after=10", "stalled: no complete image"},
                                {"length=short", "length=right", "the camera ended the stream"},
-                               {"length=huge", "length=right", "a picture of more than 16 MiB"},
-                               {"endless_part=on", "endless_part=off", "a picture of more than 16 MiB"},
+                               {"length=huge", "length=right", "an image of more than 16 MiB"},
+                               {"endless_part=on", "endless_part=off", "an image of more than 16 MiB"},
                                {"endless_head=on", "endless_head=off", "a head of more than 8 KiB"},
                                {"cut_after=0", "cut_after=-1", "the camera ended the stream"},
                                {"close_after=0", "close_after=10", "the camera ended the stream"},
@@ -116,7 +116,7 @@ TEST_CASE("axis misbehaviour: a single picture that is cut or is none is not pas
     const auto collector =
         application.collect({{"axis", "image"}}, {.connection = {.window = 1, .group = {}, .lease = {}}});
     take_pictures(*collector, 3);
-    for (const Wrong& wrong : {Wrong{"truncated=on", "truncated=off", "no whole picture: it is cut short"},
-                               {"html=on", "html=off", "not a picture: the camera sends text/html"}})
+    for (const Wrong& wrong : {Wrong{"truncated=on", "truncated=off", "no complete image: it is cut short"},
+                               {"html=on", "html=off", "not an image: the camera sends text/html"}})
         suffer(camera, application, *collector, wrong);
 }

@@ -101,7 +101,7 @@ TEST_CASE(
     const auto set = swarm.hivectl({"set", "axis", "brightness=60"});
     CHECK(set.exit_code != 0);
     CHECK(has(set.err, "no answer from http://127.0.0.1:"));
-    CHECK(has(set.err, "takes connections and then says nothing for 2 s; check that it is the camera"));
+    CHECK(has(set.err, "accepts connections but sends nothing for 2 s; check that it is the camera"));
     CHECK(set.took < patient(4000ms));
     const auto collector = application.collect({{"axis", "image"}});
     camera.behave("mute=off");

@@ -32,7 +32,7 @@ TEST_CASE("network camera: pictures of a stream come, whatever stands before its
 TEST_CASE("network camera: a picture of too many pixels is refused by its size, not decoded")
 {
     const Camera camera(always(hostile::multipart + hostile::part(hostile::grey_jpeg(9000, 9000))));
-    CHECK(says(told_by(camera.url()), "a picture of 9000x9000 pixels; at most 40000000 are accepted"));
+    CHECK(says(told_by(camera.url()), "an image of 9000x9000 pixels; at most 40000000 are accepted"));
     const auto without = open_url(settings_of(camera.url(), UrlLimits::none()), nullptr)->next();
     REQUIRE(without);
     CHECK(without->image.size() == cv::Size(9000, 9000));
@@ -55,7 +55,7 @@ TEST_CASE("network camera: a part that never ends is refused after 16 MiB")
             client.flood(letters, 96 * mebibyte);
             return false;
         });
-        CHECK(says(told_by(camera.url()), "more than 16 MiB without a picture"));
+        CHECK(says(told_by(camera.url()), "more than 16 MiB without an image"));
         const auto with = camera.sent();
         CHECK(with < 32 * mebibyte);
         told_by(camera.url(), UrlLimits::none());

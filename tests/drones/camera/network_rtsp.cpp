@@ -53,7 +53,7 @@ TEST_CASE("network camera: an RTSP picture that never ends is refused after 16 M
             client.send(hostile::h264_fragment(number, 60'000));
         return !request.starts_with("PLAY");
     });
-    CHECK(says(told_by(camera.url("rtsp")), "more than 16 MiB without a picture"));
+    CHECK(says(told_by(camera.url("rtsp")), "more than 16 MiB without an image"));
     const auto with = camera.sent();
     CHECK(with < 32 * mebibyte);
     told_by(camera.url("rtsp"), UrlLimits::none());

@@ -86,7 +86,7 @@ TEST_CASE("camera refusals: the reason stands in the status and in the log, and 
     });
     const auto camera = swarm.drone("camera", "camera", {"source=" + bomb.url()});
     auto application = swarm.application();
-    const std::string reason = bomb.url() + ": a picture of 16000x16000 pixels; at most 40000000 are accepted";
+    const std::string reason = bomb.url() + ": an image of 16000x16000 pixels; at most 40000000 are accepted";
     CHECK(eventually([&] { return application.status("camera").condition == reason; }, 8000ms));
     CHECK(told(swarm.log("camera"), reason));
     application.set("camera", {{"source", "scene"}});

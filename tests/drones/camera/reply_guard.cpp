@@ -72,5 +72,5 @@ TEST_CASE("reply guard: a head has an end, a place elsewhere is shown without it
     for (int i = 0; i < 9; ++i)
         for (const char* line : {"RTSP/1.0 401 No", "WWW-Authenticate: Digest x", ""})
             asking.take(line);
-    CHECK(asking.refusal() == "it asks for the login again and again");
+    CHECK(asking.refusal() == "it repeats its request for a login");
 }

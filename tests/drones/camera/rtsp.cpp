@@ -55,7 +55,7 @@ TEST_CASE("rtsp: a login comes from a file, is said to be missing or wrong, and 
         return;
     const auto camera = swarm.drone("camera", "camera", {"source=" + server.url()});
     auto application = swarm.application();
-    CHECK(eventually([&] { return says_so(condition_of(application), "the camera wants a login"); }, 20'000ms));
+    CHECK(eventually([&] { return says_so(condition_of(application), "login required"); }, 20'000ms));
     const auto file = swarm.home() / "login";
     const auto write = [&](const std::string& text) {
         std::ofstream(file) << text << '\n';
@@ -64,7 +64,7 @@ TEST_CASE("rtsp: a login comes from a file, is said to be missing or wrong, and 
     write("viewer:wrong");
     application.set("camera", {{"credentials", file.string()}});
     CHECK(eventually([&] { return says_so(condition_of(application), "refuses this login"); }, 20'000ms));
-    CHECK(eventually([&] { return says_so(condition_of(application), "not tried again"); }, 20'000ms));
+    CHECK(eventually([&] { return says_so(condition_of(application), "to retry"); }, 20'000ms));
     write("viewer:s3cr:t/%");
     application.set("camera", {{"credentials", file.string()}});
     CHECK(application.collect({{"camera", "image"}})->next(patient(20'000ms)));

@@ -106,7 +106,8 @@ TEST_CASE("model output: a score above 1 is no score, and half precision may rou
     const cv::Mat output = table({1, 1, 6}, {10, 20, 40, 60, 7.5F, 3}),
                   rounded = table({1, 1, 6}, {10, 20, 40, 60, 1.0005F, 3});
     CHECK_THROWS_WITH_AS(candidates(output, "yolov10", {99, 99}, 0.3),
-                         "the model gives a score of 7.500000, above 1: its layout is not yolov10", std::runtime_error);
+                         "the model returns a score of 7.500000, above 1: its layout is not yolov10",
+                         std::runtime_error);
     CHECK(candidates(rounded, "yolov10", {99, 99}, 0.3).size() == 1);
 }
 

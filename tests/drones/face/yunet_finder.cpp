@@ -49,7 +49,7 @@ TEST_CASE("yunet: what is no such model is refused in a sentence, and pictures o
     CHECK(refusal(good.path()) == "accepted");
     CHECK(refusal("/nowhere/yunet.onnx") == "no model at /nowhere/yunet.onnx");
     CHECK(refusal(garbage.path()).find("is not an ONNX model") != std::string::npos);
-    CHECK(refusal(two.path()).find("is no YuNet") != std::string::npos);
+    CHECK(refusal(two.path()).find("is not a YuNet") != std::string::npos);
     YunetFinder finder(good.path());
     CHECK_THROWS_AS(static_cast<void>(finder.find(cv::Mat(64, 64, CV_8UC3, cv::Scalar::all(9)))), std::runtime_error);
     CHECK(finder.find(cv::Mat(32, 32, CV_8UC3, cv::Scalar::all(9))).size() == 1);

@@ -97,5 +97,5 @@ TEST_CASE("landmarks: what is no such model is refused in a sentence")
               onnx::bytes_of({.width = 224, .height = 224, .shape = {1, 2}, .constants = {1, 2}, .wires = {}}));
     CHECK(refusal("/nowhere/hand.onnx") == "no model at /nowhere/hand.onnx");
     CHECK(refusal(garbage.path()).find("is not an ONNX model") != std::string::npos);
-    CHECK(refusal(other.path()).find("is no model of hand landmarks") != std::string::npos);
+    CHECK(refusal(other.path()).find("is not a hand landmark model") != std::string::npos);
 }

@@ -83,7 +83,7 @@ TEST_CASE("recording: a file that is there is refused, unless it may be replaced
     const Folder folder;
     record(folder / "a", 3);
     auto wanted = settings(folder / "a");
-    CHECK_THROWS_WITH_AS(Writer{wanted}, doctest::Contains("is there already"), std::runtime_error);
+    CHECK_THROWS_WITH_AS(Writer{wanted}, doctest::Contains("already exists"), std::runtime_error);
     CHECK(Reader(folder / "a").summary().events() == 3);
     wanted.overwrite = true;
     {

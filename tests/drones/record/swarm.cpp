@@ -457,7 +457,7 @@ TEST_CASE("hivectl record: ends as it is told, says what is in the file, and its
                                  "ulimit -f 200; exec " + swarm.program("hivectl").string() + " record fast -o " + small
                                      + " -n 100000 --timeout 60"});
     CHECK_MESSAGE(full.exit_code == 8, full.err);
-    CHECK_MESSAGE(has(full.err, "the file holds what came before"), full.err);
+    CHECK_MESSAGE(has(full.err, "earlier events are in the file"), full.err);
     CHECK_FALSE(has(full.out, "nothing lost"));
     CHECK(Reader(small).summary().events() > 0);
 }

@@ -15,7 +15,7 @@ namespace {
 
 class Page {
 public:
-    Page() : exchange(view::Picture::of_notice("no picture yet")) {}
+    Page() : exchange(view::Picture::of_notice("no image yet")) {}
     view::Answer ask(view::Request request, view::Browsers browsers = {0, 8}) const
     {
         return answer_to(request, exchange, bind_, pass_, browsers);

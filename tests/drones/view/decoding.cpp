@@ -112,7 +112,7 @@ TEST_CASE("view server: who waits too long for a picture is told so, and who ask
     for (auto* client : {&one, &two}) {
         const auto reply = client->reply();
         CHECK(reply.code == 503);
-        CHECK(reply.body == "The picture is not ready yet; ask again.\n");
+        CHECK(reply.body == "The image is not ready yet; ask again.\n");
     }
     CHECK(stage.browsers() == 0);
     stuck.let_go();

@@ -1,4 +1,4 @@
-// A browser of the poor: HTTP over a plain socket, so that it can also be rude.
+// A minimal browser: HTTP over a plain socket, so that it can misbehave.
 #pragma once
 
 #include <eventually.hpp>

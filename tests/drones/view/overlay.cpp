@@ -67,7 +67,7 @@ TEST_CASE("overlay: pictures of every size can be captioned")
 
 TEST_CASE("overlay: a notice shows its text")
 {
-    const cv::Mat empty = view::notice(""), text = view::notice("no picture yet");
+    const cv::Mat empty = view::notice(""), text = view::notice("no image yet");
     CHECK(empty.size() == text.size());
     CHECK(cv::norm(empty, text) > 0);
 }

@@ -111,7 +111,7 @@ TEST_CASE("picture: one that is damaged, or too long for a JPEG, becomes a notic
 
 TEST_CASE("exchange: a slow reader finds the newest; what nobody looked at is gone, with its memory")
 {
-    view::Exchange exchange(Picture::of_notice("no picture yet"));
+    view::Exchange exchange(Picture::of_notice("no image yet"));
     CHECK(exchange.newest().number == 0);
     std::weak_ptr<const Picture> first;
     for (int i = 1; i <= 3; ++i) {
@@ -168,7 +168,7 @@ TEST_CASE(
     "exchange: when no more pictures come, the text on the last is to be written anew once a second, for all who look")
 {
     const view::Exchange::Time begin{1000s};
-    view::Exchange exchange(Picture::of_notice("no picture yet"));
+    view::Exchange exchange(Picture::of_notice("no image yet"));
     CHECK(exchange.newest(begin).version == exchange.newest(begin + 1h).version);
     const auto put = [&](double rate, bool overlay) {
         exchange.put(std::make_shared<const Picture>(view::Origin{.sender = "a.b", .source = "a", .rate = rate},

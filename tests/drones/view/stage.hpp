@@ -17,7 +17,7 @@ namespace stage {
 class Stage {
 public:
     explicit Stage(view::Server::Settings settings = {})
-        : exchange_(view::Picture::of_notice("no picture yet")), server_(with_token(std::move(settings)), exchange_)
+        : exchange_(view::Picture::of_notice("no image yet")), server_(with_token(std::move(settings)), exchange_)
     {
     }
     /// Noise of `width` pixels, so that it can be told from others and is long when encoded.

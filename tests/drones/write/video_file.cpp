@@ -137,7 +137,7 @@ TEST_CASE("write: what cannot be written is refused before the first picture, wi
     const auto path = [&](const char* name) { return (folder.path() / name).string(); };
     CHECK(contains(refusal({.path = path("there.mp4")}), "exists already"));
     CHECK(refusal({.path = path("there.mp4"), .overwrite = true}).empty());
-    CHECK(contains(refusal({.path = path("a.gif")}), "means no video"));
+    CHECK(contains(refusal({.path = path("a.gif")}), "unknown extension"));
     CHECK(contains(refusal({.path = path("nowhere/a.mp4")}), "there is no folder"));
     CHECK(contains(refusal({.path = folder.path().string()}), "not empty"));
     CHECK_FALSE(fs::exists(path("a.mp4")));

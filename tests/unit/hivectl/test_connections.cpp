@@ -303,7 +303,7 @@ TEST_CASE("stall: a detector may have an output that nobody receives, a camera m
     auto source = camera(1, 5'000'000, 0, 0).status;
     source.outputs[0].why = Reason::no_receiver;
     source.outputs.push_back({.name = "exceptions", .type = "application/json", .why = Reason::no_receiver});
-    CHECK(stall_text(source) == "image: nobody receives it");
+    CHECK(stall_text(source) == "image: no receivers");
 }
 
 TEST_CASE("stall: an input says which sender it misses")

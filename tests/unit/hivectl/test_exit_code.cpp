@@ -65,7 +65,7 @@ TEST_CASE("advice: a drone that does not run is to be started only where there i
 
 TEST_CASE("error texts: the error's own advice stands behind its text, or else the advice for its code")
 {
-    CHECK(explained(Error(Errc::halted, "face has halted")) == "face has halted; let it go on: hivectl resume NAME");
+    CHECK(explained(Error(Errc::halted, "face has halted")) == "face has halted; resume it: hivectl resume NAME");
     CHECK(explained(Error(Errc::halted, "face has halted", "wait")) == "face has halted; wait");
     CHECK(explained(Error(Errc::refused, "no")) == "no");
 }

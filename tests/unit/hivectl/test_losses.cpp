@@ -49,7 +49,7 @@ TEST_CASE("losses: each fate that is a loss is told with its reason, but for wha
     events.went(Fate::skipped, 4);
     const auto told = losses_of(own_name, received(34), camera(events));
     REQUIRE(told.size() == 2);
-    CHECK(sentence(told[0]) == "camera.image: 4 events, skipped by the sender: hivectl had not asked for them in time");
+    CHECK(sentence(told[0]) == "camera.image: 4 events, skipped by the sender: hivectl had not requested them in time");
     CHECK_FALSE(told[0].promised);
     CHECK(sentence(told[1]) == "camera.image: 2 events, lost when the connection broke");
     CHECK(told[1].promised);

@@ -30,7 +30,7 @@ TEST_CASE("refusal: a page wants an address as its host, no other page, the toke
     };
     CHECK(refusal(request, bind, pass, "")->body == "Open this page by its address.\n");
     request.host = "localhost";
-    CHECK(refusal(request, bind, pass, "")->body == "Other pages may not look.\n");
+    CHECK(refusal(request, bind, pass, "")->body == "Cross-site access denied.\n");
     request.site = "none";
     CHECK(refusal(request, bind, pass, "No token.")->body == "No token.\n");
     request.authorization = "Bearer secret";  // is for programs

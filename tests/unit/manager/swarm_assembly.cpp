@@ -62,7 +62,7 @@ TEST_CASE("swarm file: comments are left out, also in front, and places stay as 
                  .set["url"],
              "http://x\"//y");
     CHECK_EQ(told(read_swarm("{\"swarm\": \"s\", // Tür\n\"drones\": {\"a\": /* no */ {}}}")),
-             ":2:17: a comment begins with //, and ends with the line\n");
+             ":2:17: comments start with // and end with the line\n");
     CHECK_EQ(told(read_swarm("{\"swarm\": \"s\", // x\n\"drones\": {\"a\": {\"kind\": 3}}} // y")),
              ":2:26: \"kind\" must be a text, not 3\n");
 }
@@ -98,7 +98,7 @@ TEST_CASE("swarm file: a drone takes from the defaults of its kind what it does 
     CHECK_EQ(plan.drones[2].restart, Restart::never);
     CHECK_EQ(told(read_swarm(R"({"swarm": "s", "defaults": {"k": {"set": {"x": []}, "rstart": 1}, "face": {}},
 "drones": {"a": {"kind": "k"}, "b": {"kind": "k"}}})")),
-             ":1:48: \"x\" must be a number, a text, true or false, not an empty list\n"
+             ":1:48: \"x\" must be a number, string or boolean, not an empty list\n"
              ":1:53: a drone has no key \"rstart\"; did you mean \"restart\"?\n"
              ":1:67: no drone of this file is of the kind \"face\"\n");
 }
@@ -140,7 +140,7 @@ TEST_CASE("swarm file: mistakes of included files are told with their file, and 
                    ":2:87: \"engines\" must be an object, not 1\n"
                  + folder.path("a.json") + ":2:22: a drone has no key \"cuont\"; did you mean \"count\"?\n"
                  + folder.path("a.json") + ":2:36: a swarm file has no key \"dronse\"; did you mean \"drones\"?\n"
-                 + folder.path("b.json") + ":1:13: JSON with something that does not belong here\n"
-                 + folder.path("c.json") + ":1:13: " + folder.path("c.json") + " includes itself\n"
-                 + folder.path("c.json") + ":1:23: \"drones\" is not of the same type as in the including file\n");
+                 + folder.path("b.json") + ":1:13: JSON with unexpected input\n" + folder.path("c.json")
+                 + ":1:13: " + folder.path("c.json") + " includes itself\n" + folder.path("c.json")
+                 + ":1:23: \"drones\" is not of the same type as in the including file\n");
 }

@@ -139,21 +139,20 @@ TEST_CASE("swarm file: what it says")
 
 TEST_CASE("swarm file: what is no JSON is said where it is")
 {
-    CHECK_EQ(mistakes("{\n  # the camera\n}"), "2:3: a comment begins with //, and ends with the line\n");
+    CHECK_EQ(mistakes("{\n  # the camera\n}"), "2:3: comments start with // and end with the line\n");
     CHECK_EQ(mistakes("{\"swarm\": \"s\", /* */ \"drones\": {}}"),
-             "1:16: a comment begins with //, and ends with the line\n");
+             "1:16: comments start with // and end with the line\n");
     CHECK_EQ(mistakes("{\"swarm\": \"s\",\n \"drones\": {},\n}"),
              "3:1: a comma before }; there is none behind the last one of a list\n");
-    CHECK_EQ(mistakes("{\"swarm\": \"s\""), "1:14: the file ends too early; see that every { and [ is closed\n");
-    CHECK_EQ(mistakes("{'swarm': 's'}"), "1:2: in JSON, texts stand in \"double\" quotation marks\n");
-    CHECK_EQ(mistakes("{\"a\": 1, \"\xC3\xA4\xC3\xB6\": 2, \"a\": 3}"),
-             "1:19: JSON with the key \"a\" twice in one object\n");
+    CHECK_EQ(mistakes("{\"swarm\": \"s\""), "1:14: unexpected end of file; close every { and [\n");
+    CHECK_EQ(mistakes("{'swarm': 's'}"), "1:2: JSON strings take \"double\" quotes\n");
+    CHECK_EQ(mistakes("{\"a\": 1, \"\xC3\xA4\xC3\xB6\": 2, \"a\": 3}"), "1:19: JSON with duplicate key \"a\"\n");
     CHECK_EQ(mistakes("\xEF\xBB\xBF{}"), "1:1: JSON with a byte order mark\n");
     CHECK_EQ(mistakes(std::string("{}\n \0", 5)), "2:2: JSON with a NUL byte\n");
-    CHECK_EQ(mistakes("{\"swarm\" \"s\"}"), "1:10: JSON with something that does not belong here\n");
-    CHECK_EQ(mistakes("{} {}"), "1:4: JSON with something that does not belong here\n");
+    CHECK_EQ(mistakes("{\"swarm\" \"s\"}"), "1:10: JSON with unexpected input\n");
+    CHECK_EQ(mistakes("{} {}"), "1:4: JSON with unexpected input\n");
     CHECK_EQ(mistakes(std::string(17, '[')), "1:17: JSON with more than 16 levels\n");
-    CHECK_EQ(mistakes(""), "1:1: the file ends too early; see that every { and [ is closed\n");
+    CHECK_EQ(mistakes(""), "1:1: unexpected end of file; close every { and [\n");
 }
 
 TEST_CASE("swarm file: every mistake is told, in the order of the file, with the place of its key or value")
@@ -164,8 +163,8 @@ TEST_CASE("swarm file: every mistake is told, in the order of the file, with the
   "face": {"kind": "face", "count": "four"},
   "-x": {"kind": "face"}
 }, "conections": []})"),
-        "1:11: \"a b\" is not a name for a swarm; use 1 to 58 letters, digits, '_', '.' or '-', and begin with a "
-        "letter or digit\n"
+        "1:11: \"a b\" is not a name for a swarm; use 1 to 58 letters, digits, '_', '.' or '-', starting with a letter "
+        "or digit\n"
         "2:32: a drone has no key \"cuont\"; did you mean \"count\"?\n"
         "2:50: \"on\" must be a text or a list of texts, not 3\n"
         "3:37: \"count\" must be a whole number from 1 to 1000, not \"four\"\n"
@@ -196,7 +195,7 @@ TEST_CASE("swarm file: names that two drones have, and references that nobody ha
     CHECK_EQ(connection("camera.image", "face-*.image"), "");
     CHECK_EQ(connection("camra", "face-1"), "4:26: there is no drone \"camra\" in this file; did you mean camera?\n");
     CHECK_EQ(connection("camera", "face"),
-             "4:42: face has a count, and none of its drones is called just face; write \"face-*\" for all of them\n");
+             "4:42: face has a count, so no drone is called just face; write \"face-*\" for all of them\n");
     CHECK_EQ(connection("camera", "view-*"), "4:42: no drone of this file fits \"view-*\"\n");
     CHECK_EQ(connection("camera", "camera"), "4:42: camera cannot be connected to itself\n");
     CHECK_EQ(connection("camera", "face-1.a b"),
@@ -267,7 +266,7 @@ TEST_CASE("swarm file: options that do not go together")
     const auto options = [](const std::string& text) {
         return mistakes(with(two, "\"connections\": [{\"from\": \"camera\", \"to\": \"face\", " + text + "}]"));
     };
-    CHECK_EQ(options("\"stream\": true, \"window\": 2"), "4:66: \"window\" does not go with \"stream\"\n");
+    CHECK_EQ(options("\"stream\": true, \"window\": 2"), "4:66: \"window\" conflicts with \"stream\"\n");
     CHECK_EQ(options("\"stream\": false, \"window\": 2"), "");
     CHECK_EQ(options("\"lease\": 2"), "4:50: \"lease\" is for shared work; add \"share\": true, or a \"group\"\n");
     CHECK_EQ(options("\"lease\": 0, \"share\": true"),
@@ -279,29 +278,28 @@ TEST_CASE("swarm file: two drones of one machine at one port")
     CHECK_EQ(
         mistakes(with(
             "\"a\": {\"kind\": \"k\", \"count\": 3, \"on\": [\"m1\", \"m2\"], \"listen\": \"tcp://0.0.0.0:7700\"}")),
-        "2:62: a-3 and a-1 both listen at port 7700 of m1; leave the port out, and each takes a free one from 7700 "
-        "on\n");
+        "2:62: a-3 and a-1 both listen at port 7700 of m1; omit the port: each then takes a free one from 7700 up\n");
     CHECK_EQ(mistakes(with("\"a\": {\"kind\": \"k\", \"count\": 3, \"listen\": \"tcp://0.0.0.0\"}")), "");
     CHECK_EQ(mistakes(with("\"a\": {\"kind\": \"k\", \"listen\": \"tcp://10.0.0.1:7700\"}, \"b\": {\"kind\": \"k\", "
                            "\"listen\": \"tcp://10.0.0.2:7700\"}")),
              "");
     CHECK_EQ(mistakes(with("\"a\": {\"kind\": \"k\", \"listen\": \"tcp://10.0.0.1:7700\"},\n\"b\": {\"kind\": \"k\", "
                            "\"listen\": \"tcp://[::]:7700\"}")),
-             "3:30: b and a both listen at port 7700 of this machine; leave the port out, and each takes a free one "
-             "from 7700 on\n");
+             "3:30: b and a both listen at port 7700 of this machine; omit the port: each then takes a free one from "
+             "7700 up\n");
 }
 
 TEST_CASE("swarm file: where a drone is found, when nobody could find it there")
 {
     const auto drone = [](const std::string& keys) { return mistakes(with("\"a\": {\"kind\": \"k\", " + keys + "}")); };
     CHECK_EQ(drone("\"advertise\": \"tcp://cam1\""),
-             "2:20: \"advertise\" says where a port is found, but there is none; add \"listen\": \"tcp://0.0.0.0\"\n");
+             "2:20: \"advertise\" needs a port to advertise; add \"listen\": \"tcp://0.0.0.0\"\n");
     CHECK_EQ(drone("\"advertise\": \"tcp://cam1\", \"on\": \"cam1\""), "");  // there it listens without being told
     CHECK_EQ(drone("\"listen\": \"tcp://h\", \"advertise\": \"tcp://0.0.0.0\""),
-             "2:54: \"tcp://0.0.0.0\": nobody could dial that; write tcp://HOST or tcp://HOST:PORT, as other machines "
-             "know this one\n");
+             "2:54: \"tcp://0.0.0.0\": cannot be dialed; write tcp://HOST or tcp://HOST:PORT, with a host name or "
+             "address that other machines can reach\n");
     CHECK_EQ(drone("\"listen\": \"unix:/x\""),
-             "2:30: \"unix:/x\" is no address on the network; write tcp://HOST or tcp://HOST:PORT\n");
+             "2:30: \"unix:/x\" is not a network address; write tcp://HOST or tcp://HOST:PORT\n");
     CHECK_EQ(drone("\"listen\": \"tcp://h:99999\""), "2:30: invalid address \"tcp://h:99999\": the port is not a "
                                                      "number from 0 to 65535; write tcp://HOST or tcp://HOST:PORT\n");
 }
@@ -327,9 +325,8 @@ TEST_CASE("swarm file: what systemd would always start again")
                         any);
     };
     CHECK_EQ(restart("on-failure"), "");
-    CHECK_EQ(restart("always"),
-             "2:31: a: what systemd always starts again cannot be ended by hivectl stop or hivectl down; write "
-             "\"restart\": \"on-failure\"\n");
+    CHECK_EQ(restart("always"), "2:31: a: hivectl stop and down cannot stop a unit that systemd always restarts; write "
+                                "\"restart\": \"on-failure\"\n");
 }
 
 TEST_CASE("swarm file: an encoding that the output does not have, or the receiver does not take")
@@ -353,7 +350,7 @@ TEST_CASE("swarm file: an encoding that the output does not have, or the receive
     CHECK_EQ(encoding("camera", "only-boxes.image", "png"),
              "4:24: output image as png is image/png, but only-boxes takes image/jpeg\n");
     CHECK_EQ(encoding("face.faces", "only-boxes", "png"),
-             "4:24: output faces knows no encodings; its events travel as they are\n");
+             "4:24: output faces has no encodings; its events are sent as is\n");
 }
 
 TEST_CASE("swarm file: a missing key file is found where a drone names it or needs it")
@@ -368,8 +365,7 @@ TEST_CASE("swarm file: a missing key file is found where a drone names it or nee
     CHECK_EQ(drone(", \"key\": \"/nowhere/else\""),
              "2:32: there is no swarm key at /nowhere/else; " + get + "/nowhere/else\n");
     CHECK_EQ(drone(", \"listen\": \"tcp://0.0.0.0\""),
-             "2:35: anybody who reaches this port could control the drone, and there is no swarm key at "
-             "/nowhere/swarm.key; "
+             "2:35: anyone could control the drone through this port, and there is no swarm key at /nowhere/swarm.key; "
                  + get + "/nowhere/swarm.key; or, on a network that you trust wholly, add \"insecure\": true\n");
     CHECK_EQ(drone(", \"listen\": \"tcp://0.0.0.0\", \"insecure\": true"), "");
     CHECK_EQ(drone(", \"listen\": \"tcp://0.0.0.0\", \"on\": \"m1\""), "");
@@ -379,7 +375,7 @@ TEST_CASE("swarm file: a missing key file is found where a drone names it or nee
 TEST_CASE("swarm file: engines for machines that no drone is on")
 {
     CHECK_EQ(mistakes(with("\"a\": {\"kind\": \"k\", \"on\": \"cam1\"}", "\"engines\": {\"cma1\": {\"ssh\": \"x\"}}")),
-             "4:13: no drone of this file is on a machine that fits \"cma1\"; did you mean cam1?\n");
+             "4:13: no drone in this file is on a host matching \"cma1\"; did you mean cam1?\n");
     CHECK_EQ(mistakes(with("\"a\": {\"kind\": \"k\"}", "\"engines\": {\"local\": {\"ssh\": \"x\", \"local\": {}}}")),
              "4:22: an engine is exactly one of local, ssh, systemd or slurm\n");
 }
@@ -396,7 +392,7 @@ TEST_CASE("swarm file: a machine is no folder, and a directive of Slurm is one l
     CHECK(slurm(R"({"partition": "p\ntouch x"})").find("does not belong into a line") != std::string::npos);
     CHECK(slurm(R"({"options": ["--a\nid"]})").find("does not belong into a line") != std::string::npos);
     CHECK_EQ(slurm(R"({"options": ["gres=gpu:1"]})"),
-             "4:42: \"gres=gpu:1\" is no option of Slurm; an option begins with -, such as --gres=gpu:1\n");
+             "4:42: \"gres=gpu:1\" is not a Slurm option; options start with -, such as --gres=gpu:1\n");
     CHECK_EQ(mistakes(file_with(R"({"options": ["gres=gpu:1"]})")), "");  // a remembered plan can be taken down
 }
 

@@ -31,6 +31,6 @@ TEST_CASE("systemd unit: what could not be stopped is refused")
     hive::SwarmDrone drone{.name = "camera", .kind = "camera"};
     CHECK(has(hive::unit_text(drone, {"/bin/hive-camera", {}, {}}, "/log"), "\nRestart=no\n"));
     drone.restart = hive::Restart::always;
-    CHECK_THROWS_WITH_AS(hive::unit_text(drone, {"/bin/hive-camera", {}, {}}, "/log"),
-                         doctest::Contains("cannot be ended"), hive::Error);
+    CHECK_THROWS_WITH_AS(hive::unit_text(drone, {"/bin/hive-camera", {}, {}}, "/log"), doctest::Contains("cannot stop"),
+                         hive::Error);
 }

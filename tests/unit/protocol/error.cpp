@@ -29,5 +29,5 @@ TEST_CASE("error: what was thrown keeps its code and its text, as far as it has 
     CHECK(other.what() == std::string("broken"));
     const auto number = error_of(42);
     CHECK(number.code() == hive::Errc::failed);
-    CHECK(number.what() == std::string("something that is not an exception was thrown"));
+    CHECK(number.what() == std::string("a non-exception object was thrown"));
 }

@@ -50,7 +50,7 @@ TEST_CASE("prefix: a mismatch of versions names both")
     auto bytes = encode({PacketType::ping, 0, 0, 0});
     bytes[4] = 9;
     CHECK_THROWS_WITH_AS((void)decode_prefix(bytes.data(), {}),
-                         "the peer speaks version 9 of the protocol, this end version 1", Error);
+                         "the peer uses version 9 of the protocol, this end version 1", Error);
 }
 
 TEST_CASE("prefix: the limits are those of the caller")

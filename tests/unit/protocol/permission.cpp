@@ -67,6 +67,5 @@ TEST_CASE("permissions: a refusal names who may not do what")
     CHECK(refusal(Role::viewer, Direction::to_listener, PacketType::set) == "a viewer may not send set");
     CHECK(refusal(Role::member, Direction::to_listener, PacketType::release) == "a member may not send release");
     CHECK(refusal(Role::owner, Direction::to_listener, PacketType::event) == "who dialed may not send event");
-    CHECK(refusal(Role::owner, Direction::to_dialer, PacketType::stop)
-          == "who was dialed may not send stop to who dialed");
+    CHECK(refusal(Role::owner, Direction::to_dialer, PacketType::stop) == "a listener may not send stop to a dialer");
 }

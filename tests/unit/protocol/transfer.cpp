@@ -40,13 +40,13 @@ TEST_CASE("options: every field survives the way")
         CHECK(connection_options(parse_json(to_text(to_json(options)))) == options);
 }
 
-TEST_CASE("options: what does not go with a group is refused with both named")
+TEST_CASE("options: what conflicts with a group is refused with both named")
 {
     for (const char* option : {R"("transfer":"stream")", R"("delivery":"notify")", R"("first_frame":true)"})
         CHECK_THROWS_AS(connection_options(parse_json(R"({"group":"workers",)" + std::string(option) + "}")), Error);
     CHECK_THROWS_WITH_AS(connection_options(parse_json(R"({"group":"workers","first_frame":true})")),
-                         "a group gives each event to one member: first_frame, which begins with an event that others "
-                         "may have had, does not go with it",
+                         "a group gives each event to one member: first_frame, which starts with an event that others "
+                         "may have had, conflicts with it",
                          Error);
 }
 

@@ -19,7 +19,7 @@ using namespace std::chrono_literals;
 using hive::Drone;
 using hive::Json;
 
-constexpr const char* not_an_exception = "something that is not an exception was thrown";
+constexpr const char* not_an_exception = "a non-exception object was thrown";
 
 /// A home of its own for the drones of one test.
 class Home {

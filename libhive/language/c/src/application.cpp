@@ -63,7 +63,7 @@ void require_goal(const std::string& goal)
     for (const char* known : {"running", "idle", "halted", "gone"})
         if (goal == known)
             return;
-    throw Error(Errc::invalid_argument, "a drone is awaited running, idle, halted or gone, not " + in_quotes(goal));
+    throw Error(Errc::invalid_argument, "the state is running, idle, halted or gone, not " + in_quotes(goal));
 }
 
 Error late(const std::string& drone, const std::string& goal, const std::string& state)

@@ -33,7 +33,7 @@ std::vector<Endpoint> ends_of(Application& application, const char* outputs)
     for (const auto& text : names_of(required(outputs, "the outputs"), "the outputs"))
         ends.push_back(application.endpoint(text));
     if (ends.empty())
-        throw Error(Errc::invalid_argument, "the outputs name none");
+        throw Error(Errc::invalid_argument, "no outputs given");
     return ends;
 }
 

@@ -323,7 +323,7 @@ hive_code hive_drone_source_events(hive_drone* drone, int64_t events)
 {
     return with_drone(drone, [&](Drone& open) {
         if (events < 0)
-            throw Error(Errc::invalid_argument, "a source has no fewer than 0 events");
+            throw Error(Errc::invalid_argument, "events must be 0 or more");
         open.source_events(events);
     });
 }

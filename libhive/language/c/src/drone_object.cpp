@@ -117,7 +117,7 @@ std::shared_ptr<EmbeddedDrone> DroneObject::open() const
 std::shared_ptr<EmbeddedDrone> DroneObject::declaring() const
 {
     if (began_)
-        throw Error(Errc::invalid_argument, "a drone is declared before it runs");
+        throw Error(Errc::invalid_argument, "the drone has already started");
     return open();
 }
 

@@ -15,7 +15,7 @@ Encoding encoding_of(const Json& item)
     const Options given(to_text(item).c_str(), {"word", "type", "least", "most"});
     Encoding encoding{.word = given.text("word"), .type = given.text("type")};
     if (!is_encoding(encoding.word) || encoding.word.find(':') != std::string::npos)
-        throw Error(Errc::invalid_argument, in_quotes(encoding.word) + " is no word for an encoding");
+        throw Error(Errc::invalid_argument, in_quotes(encoding.word) + " is not an encoding");
     if (encoding.type.empty())
         throw Error(Errc::invalid_argument, "encoding " + encoding.word + " gives no media type");
     if (given.number("least") || given.number("most")) {
@@ -56,7 +56,7 @@ public:
     {
         const std::lock_guard lock(mutex_);
         if (!body_)
-            throw Error(Errc::invalid_argument, "the encoder gave nothing");
+            throw Error(Errc::invalid_argument, "the encoder returned nothing");
         if (header_)
             event.header = std::move(*header_);
         event.body = std::move(*body_);

@@ -69,7 +69,7 @@ std::span<std::byte> LoanObject::bytes() const
 {
     const std::lock_guard lock(mutex_);
     if (!loan_)
-        throw Error(Errc::invalid_argument, "this loan has become a body already");
+        throw Error(Errc::invalid_argument, "this loan was already used");
     return {reinterpret_cast<std::byte*>(loan_->data()), loan_->size()};
 }
 
@@ -81,7 +81,7 @@ Body LoanObject::body(std::size_t size)
                     "the loan has " + std::to_string(whole.size()) + " bytes, not " + std::to_string(size));
     const std::lock_guard lock(mutex_);
     if (!loan_)
-        throw Error(Errc::invalid_argument, "this loan has become a body already");
+        throw Error(Errc::invalid_argument, "this loan was already used");
     Body body = std::move(*loan_).body(size);
     loan_.reset();
     return body;

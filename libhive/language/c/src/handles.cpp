@@ -67,7 +67,7 @@ void retain(const void* handle)
     const std::lock_guard lock(part.mutex);
     const auto found = part.entries.find(number(handle));
     if (found == part.entries.end())
-        throw Error(Errc::invalid_argument, "this is no handle, or one that was released");
+        throw Error(Errc::invalid_argument, "invalid or released handle");
     ++found->second.references;
 }
 
@@ -79,7 +79,7 @@ void release(const void* handle)
         const std::lock_guard lock(part.mutex);
         const auto found = part.entries.find(number(handle));
         if (found == part.entries.end())
-            throw Error(Errc::invalid_argument, "this is no handle, or one that was released");
+            throw Error(Errc::invalid_argument, "invalid or released handle");
         if (--found->second.references > 0)
             return;
         last = std::move(found->second.object);

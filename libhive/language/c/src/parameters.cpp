@@ -43,7 +43,7 @@ Variable own_variable(DroneObject& drone, const std::string& type, const Json& v
         return {.flag = &drone.flags.emplace_back(value.get<bool>())};
     if (type == "text" && value.is_string())
         return {.text = &drone.texts.emplace_back(value.get<std::string>())};
-    throw Error(Errc::invalid_argument, to_text(value) + " is no default of the type " + in_quotes(type)
+    throw Error(Errc::invalid_argument, to_text(value) + " is not a default of type " + in_quotes(type)
                                             + "; types are integer, number, flag and text");
 }
 

@@ -96,7 +96,7 @@ std::string_view token(Proposal::Sure sure) noexcept { return advising::token_of
 Advice advise(Application& application, const std::vector<std::string>& drones, const AdviceOptions& options)
 {
     if (drones.size() > 2)
-        throw Error(Errc::invalid_argument, "advise takes the last drone of a line, or the first and the last",
+        throw Error(Errc::invalid_argument, "advise takes the last drone of a pipeline, or the first and the last",
                     "for all lines: hivectl advise");
     Advice advice{.goal = options.goal, .lines = {}};
     for (const auto& measured : advising::measure(application, drones, options.time))

@@ -195,7 +195,7 @@ std::vector<SwarmFailure> LocalEngine::stop(const std::vector<std::string>& dron
         if (has_asked(begun) && !begun.met && begun.process.ended())
             begun.process = started(begun.drone);  // it asked just before it was stopped
         if (has_asked(begun) && !begun.process.ended())
-            remains.push_back({begun.drone.name, Error(Errc::stopped, "it is taking over, and goes on by itself")});
+            remains.push_back({begun.drone.name, Error(Errc::stopped, "it is taking over, and continues by itself")});
         return true;
     });
     return remains;

@@ -99,9 +99,8 @@ std::string address_in(const std::string& text)
 void SlurmEngine::begin(std::vector<SwarmDrone> drones, Clock::time_point)
 {
     if (job_.empty())
-        throw Error(Errc::refused,
-                    "the drones on " + node_ + " are steps of a Slurm allocation, and there is none here",
-                    "bring the swarm up from a shell of salloc, or from an sbatch script");
+        throw Error(Errc::refused, "the drones on " + node_ + " need a Slurm allocation, and this shell has none",
+                    "run hivectl up inside salloc or an sbatch script");
     std::ranges::move(drones, std::back_inserter(waiting_));
 }
 

@@ -271,7 +271,7 @@ try {
 std::unique_ptr<Engine> make_ssh_engine(const Json& settings, const std::filesystem::path& home)
 {
     if (!settings.is_string())
-        throw Error(Errc::invalid_argument, "the engine ssh needs the name of the machine as ssh knows it");
+        throw Error(Errc::invalid_argument, "the engine ssh needs an ssh host name");
     return std::make_unique<SshEngine>(settings.get<std::string>(), home);
 }
 

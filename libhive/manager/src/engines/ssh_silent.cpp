@@ -11,7 +11,7 @@ using namespace std::chrono_literals;
 
 constexpr auto check_timeout = 10s;
 constexpr auto check_interval = 1s;
-constexpr const char* lines_of_log = "15";
+constexpr const char* log_lines = "15";
 
 }  // namespace
 
@@ -42,7 +42,7 @@ void SilentDrones::poll(std::vector<Engine::Report>& reports)
         if (result)
             reports.push_back({.drone = log.drone,
                                .error = Error(Errc::failed, remote_.host() + ": " + log.drone
-                                                                + " was ready and has ended since; its log says:\n"
+                                                                + " was ready and has exited since; its log says:\n"
                                                                 + (result->out.empty() ? "(nothing)" : result->out))});
         return result.has_value();
     });
@@ -72,7 +72,7 @@ void SilentDrones::on_running(const std::string& drone, std::vector<Engine::Repo
 
 void SilentDrones::read_log(const std::string& drone, std::vector<Engine::Report>& reports)
 try {
-    logs_.emplace_back(drone, remote_.command({"logs", drone, "-n", lines_of_log}), check_timeout);
+    logs_.emplace_back(drone, remote_.command({"logs", drone, "-n", log_lines}), check_timeout);
 } catch (const Error& error) {
     reports.push_back({.drone = drone, .error = error});
 }

@@ -154,7 +154,7 @@ void SystemdEngine::require_free(const std::string& drone) const
     const auto state = run_command(systemctl({"is-active", unit_name(drone)}), patience_of_systemd).out;
     if (!state.starts_with("inactive") && !state.starts_with("failed") && !state.starts_with("unknown"))
         throw Error(Errc::refused, unit_name(drone) + " runs already, of another home",
-                    "end that first: hivectl down with its HIVE_HOME, or systemctl --user stop " + unit_name(drone));
+                    "stop that first: hivectl down with its HIVE_HOME, or systemctl --user stop " + unit_name(drone));
 }
 
 void SystemdEngine::write(const SwarmDrone& drone)
@@ -271,7 +271,8 @@ std::vector<SwarmFailure> SystemdEngine::stop(const std::vector<std::string>& dr
     std::error_code ignored;
     for (const auto& name : ours) {
         if (home_.alive(name)) {
-            remains.push_back({name, failed.value_or(Error(Errc::failed, "systemd has not ended " + unit_name(name)))});
+            remains.push_back(
+                {name, failed.value_or(Error(Errc::failed, "systemd has not stopped " + unit_name(name)))});
             continue;
         }
         std::filesystem::remove(unit_directory() / unit_name(name), ignored);

@@ -61,8 +61,7 @@ std::string restart_of(const SwarmDrone& drone)
 
 Error restart_refused(const std::string& drone)
 {
-    return {Errc::unsupported,
-            drone + ": what systemd always starts again cannot be ended by hivectl stop or hivectl down",
+    return {Errc::unsupported, drone + ": hivectl stop and down cannot stop a unit that systemd always restarts",
             "write \"restart\": \"on-failure\""};
 }
 

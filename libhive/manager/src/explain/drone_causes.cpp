@@ -141,7 +141,7 @@ bool Search::own(const StatusAnswer& answer)
     else if (status.why == Reason::set_prepared)
         add(What::set_prepared, name, name + " waits for an application to commit or abort the set that it prepared");
     else if (status.why == Reason::source_ended)
-        add(What::source_ended, name, name + " has come to the end of its source",
+        add(What::source_ended, name, name + " has reached the end of its source",
             std::to_string(emitted(status)) + " events emitted", "hivectl replace " + name);
     else if (throws(answer) || stuck(answer))
         return true;
@@ -222,8 +222,7 @@ void Search::quiet(const StatusAnswer& answer, const std::string& port)
         if (output.why == Reason::source_ended && status.why == Reason::source_ended)
             continue;  // the drone itself is the cause
         if (output.why == Reason::source_ended)
-            add(What::source_ended, answer.drone, end + " has come to its end", since,
-                "hivectl replace " + answer.drone);
+            add(What::source_ended, answer.drone, end + " has ended", since, "hivectl replace " + answer.drone);
         else if (status.inputs.empty())
             add(What::silent_source, answer.drone, end + " sends nothing, and the drone does not report why", since,
                 "hivectl logs " + answer.drone);
@@ -246,7 +245,7 @@ void Search::unreceived(const StatusAnswer& answer)
     };
     if (!status.inputs.empty() || emitted(status) == 0 || std::ranges::any_of(status.outputs, received))
         return;
-    add(What::no_receiver, answer.drone, "nobody receives what " + answer.drone + " sends",
+    add(What::no_receiver, answer.drone, answer.drone + " has no receivers",
         std::to_string(emitted(status)) + " events emitted")
         .blocks = false;
 }

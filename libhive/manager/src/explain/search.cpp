@@ -137,7 +137,7 @@ void Search::waits(const StatusAnswer& answer, const OutputStatus& output)
     if (output.why == Reason::held)
         add(Cause::What::held, answer.drone, "lossless events of " + end + " wait for a receiver of bodies", since);
     else if (output.why == Reason::no_receiver)
-        add(Cause::What::no_receiver, answer.drone, "nobody receives " + end, since);
+        add(Cause::What::no_receiver, answer.drone, end + " has no receivers", since);
     else if (output.why == Reason::watched)
         add(Cause::What::watched, answer.drone,
             "only headers of " + end + " are received, and on demand it waits for a receiver of bodies", since);
@@ -171,7 +171,7 @@ void Search::missing_receiver(const StatusAnswer& sender, const Wait& wait)
 {
     const auto drone = owner_of(wait.edge.receiver);
     if (wait.edge.connected)  // an application, or a drone that only its sender knows
-        add(Cause::What::waits, sender.drone, wait.edge.receiver + " does not ask for more events of " + wait.end,
+        add(Cause::What::waits, sender.drone, wait.edge.receiver + " does not request more events of " + wait.end,
             wait.text(), "hivectl connections " + sender.drone);
     else if (absent_.kinds.contains(drone))
         not_running(drone, "", wait.text());

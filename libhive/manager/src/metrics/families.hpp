@@ -83,6 +83,6 @@ inline constexpr Described in_progress{"hive_input_in_progress_events", gauge, "
                                        "Events that the drone's code works on."};
 
 inline constexpr Described scrape_duration{"hive_scrape_duration_seconds", gauge, "seconds",
-                                           "How long it took to ask all drones."};
+                                           "How long it took to query all drones."};
 
 }  // namespace hive::measuring

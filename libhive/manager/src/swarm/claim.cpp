@@ -41,10 +41,10 @@ Claim claim(Application& application, const std::string& swarm, std::chrono::mil
         const auto now = event::Clock::now();
         if (!told && now - begin >= 1s) {
             told = true;
-            watch.told("somebody else is changing the swarm " + swarm + " now; waiting until that is done");
+            watch.told("another process is changing the swarm " + swarm + " now; waiting until that is done");
         }
         if (now >= end)
-            throw Error(Errc::locked, "somebody else is changing the swarm " + swarm + " now",
+            throw Error(Errc::locked, "another process is changing the swarm " + swarm + " now",
                         "try again when that is done, or wait longer: --timeout SECONDS");
         if (!waiting)
             waiting = claim_unless_taken(directory, swarm, event::NameClaim::To::succession);

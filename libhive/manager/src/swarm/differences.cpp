@@ -252,9 +252,8 @@ void tell_shared(const std::vector<SwarmStep>& left, const SwarmPlan& plan, cons
             if (step.drone == drone.name)
                 for (const auto& [name, value] : step.values.items())
                     values += " " + assignment(name, value);
-        told(
-            drone.name + " runs already, " + owner_text(*running) + ", and is used as it is"
-            + (values.empty() ? "" : ", without" + values + "; to change it all the same: \"change_if_shared\": true"));
+        told(drone.name + " runs already, " + owner_text(*running) + ", and is used as it is"
+             + (values.empty() ? "" : ", without" + values + "; to change it anyway: \"change_if_shared\": true"));
     }
 }
 

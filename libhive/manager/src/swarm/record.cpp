@@ -29,7 +29,7 @@ SwarmPlan read_plan(const fs::path& file)
     auto reading = read_swarm(text_of(file));
     if (!reading.mistakes.empty())
         throw Error(Errc::malformed, "what " + file.string() + " remembers cannot be read: " + reading.mistakes[0].text,
-                    "remove it; its drones are then no longer known to belong together");
+                    "delete it; hivectl then no longer groups these drones");
     return std::move(reading.plan);
 }
 

@@ -212,7 +212,7 @@ void Staying::give_way()
 {
     for (auto& [drone, care] : cares_)
         if (care.starting && !care.starting->waiting().empty()) {
-            told_(drone + ": not started now, because somebody else is changing the swarm");
+            told_(drone + ": not started now, because another process is changing the swarm");
             for (const auto& remains : care.starting->undo())
                 told_(remains.drone + ": " + remains.error.what());
             care.starting.reset();

@@ -33,11 +33,12 @@ void Reader::read_addresses(Members& members, Entry& entry)
     entry.listening = read_address(members, "listen", entry.drone.listen);
     const auto advertised = read_address(members, "advertise", entry.drone.advertise);
     if (advertised && everywhere(advertised->host).empty())
-        mistakes_.at_value(*members.find("advertise"), in_quotes(entry.drone.advertise) + ": nobody could dial that",
-                           "write tcp://HOST or tcp://HOST:PORT, as other machines know this one");
+        mistakes_.at_value(
+            *members.find("advertise"), in_quotes(entry.drone.advertise) + ": cannot be dialed",
+            "write tcp://HOST or tcp://HOST:PORT, with a host name or address that other machines can reach");
     const auto here = [](const std::string& host) { return host == Place::here; };
     if (advertised && !members.find("listen") && std::ranges::any_of(entry.hosts, here))
-        mistakes_.at_key(*members.find("advertise"), "\"advertise\" says where a port is found, but there is none",
+        mistakes_.at_key(*members.find("advertise"), "\"advertise\" needs a port to advertise",
                          "add \"listen\": \"tcp://0.0.0.0\"");
 }
 
@@ -52,7 +53,7 @@ std::optional<transport::Address> Reader::read_address(Members& members, std::st
         const auto address = transport::listen_address(text);
         if (address.scheme == transport::Address::Scheme::tcp)
             return address;
-        mistakes_.at_value(*value, in_quotes(text) + " is no address on the network", advice);
+        mistakes_.at_value(*value, in_quotes(text) + " is not a network address", advice);
     } catch (const Error& error) {
         mistakes_.at_value(*value, error.what(), advice);
     }
@@ -74,7 +75,7 @@ bool Reader::has_own_port(const SwarmDrone& drone, const Entry& entry)
                        drone.name + " and " + found->second + " both listen at port "
                            + std::to_string(entry.listening->port) + " of "
                            + (drone.host == Place::here ? "this machine" : drone.host),
-                       "leave the port out, and each takes a free one from 7700 on");
+                       "omit the port: each then takes a free one from 7700 up");
     return false;
 }
 

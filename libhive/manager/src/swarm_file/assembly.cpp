@@ -37,11 +37,11 @@ std::pair<std::string, std::string> syntax_mistake(std::string_view text, const 
 {
     const auto rest = text.substr(mistake.at());
     if (rest.starts_with("/*") || rest.starts_with("#"))
-        return {"a comment begins with //, and ends with the line", ""};
+        return {"comments start with // and end with the line", ""};
     if (rest.empty())
-        return {"the file ends too early", "see that every { and [ is closed"};
+        return {"unexpected end of file", "close every { and ["};
     if (rest.front() == '\'')
-        return {"in JSON, texts stand in \"double\" quotation marks", ""};
+        return {"JSON strings take \"double\" quotes", ""};
     const auto before = text.substr(0, mistake.at()).find_last_not_of(" \t\r\n");
     if ((rest.front() == '}' || rest.front() == ']') && before != std::string_view::npos && text[before] == ',')
         return {"a comma before " + std::string(1, rest.front()), "there is none behind the last one of a list"};

@@ -72,7 +72,7 @@ void Reader::check_clashes(Members& members)
     };
     for (const auto& [one, other] : connection_clashes())
         if (given(one) && given(other))
-            mistakes_.at_key(*members.find(other), in_quotes(other) + " does not go with " + in_quotes(one));
+            mistakes_.at_key(*members.find(other), in_quotes(other) + " conflicts with " + in_quotes(one));
     if (given("lease") && !given("share") && !given("group"))
         mistakes_.at_key(*members.find("lease"), in_quotes("lease") + std::string(for_shared_work),
                          "add \"share\": true, or a \"group\"");
@@ -120,7 +120,7 @@ void Reader::no_drone(const std::string& text, const Value& value)
     if (names_unclear_)
         return;
     if (counted_.contains(text))
-        return mistakes_.at_value(value, text + " has a count, and none of its drones is called just " + text,
+        return mistakes_.at_value(value, text + " has a count, so no drone is called just " + text,
                                   "write \"" + text + "-*\" for all of them");
     mistakes_.at_value(value, misspelt("there is no drone " + in_quotes(text) + " in this file", text, plan_.drones,
                                        &SwarmDrone::name));

@@ -86,7 +86,7 @@ void Reader::read_hosts(Members& members, Entry& entry)
     const auto texts = texts_of(mistakes_, *value);
     for (const auto& [text, place] : texts)
         if (!is_machine(text))
-            mistakes_.at_value(place, in_quotes(text) + " is not a machine as ssh takes it", "write HOST or USER@HOST");
+            mistakes_.at_value(place, in_quotes(text) + " is not a valid ssh host", "write HOST or USER@HOST");
     if (texts.size() > 1 && !members.find("count"))
         mistakes_.at_value(*value, "one drone cannot be on " + std::to_string(texts.size()) + " machines",
                            "say how many there are to be: \"count\": " + std::to_string(texts.size()));
@@ -124,7 +124,7 @@ void Reader::check_setting(const Value& setting, const std::string& name, const 
     if (!is_name(name))
         return mistakes_.at_key(setting, in_quotes(name) + " is not the name of a parameter");
     if (setting.json->is_structured() || setting.json->is_null())
-        return mistakes_.at_value(setting, in_quotes(name) + " must be a number, a text, true or false, not "
+        return mistakes_.at_value(setting, in_quotes(name) + " must be a number, string or boolean, not "
                                                + shown(*setting.json));
     const auto* interface = this->interface(entry.drone.kind);
     if (!interface)

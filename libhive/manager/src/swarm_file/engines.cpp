@@ -14,7 +14,7 @@ void Reader::read_engine(const std::string& glob, const Value& value)
 {
     const auto fits = [&](const SwarmDrone& drone) { return matches_glob(glob, drone.host); };
     if (!names_unclear_ && std::ranges::none_of(plan_.drones, fits))
-        mistakes_.at_key(value, misspelt("no drone of this file is on a machine that fits " + in_quotes(glob), glob,
+        mistakes_.at_key(value, misspelt("no drone in this file is on a host matching " + in_quotes(glob), glob,
                                          plan_.drones, &SwarmDrone::host));
     if (interface_of_)
         check_not_shadowed(glob, value);
@@ -28,7 +28,7 @@ void Reader::read_engine(const std::string& glob, const Value& value)
         if (name == "ssh") {
             const auto host = text_of(mistakes_, settings);
             if (host && !is_machine(*host))
-                mistakes_.at_value(settings, in_quotes(*host) + " is not a machine as ssh takes it",
+                mistakes_.at_value(settings, in_quotes(*host) + " is not a valid ssh host",
                                    "write HOST, USER@HOST, or a name of ssh's own");
         } else if (name == "slurm") {
             read_slurm(settings);
@@ -83,8 +83,8 @@ void Reader::read_slurm_option(const Value& value)
 {
     read_directive(value);
     if (interface_of_ && value.json->is_string() && !value.json->get<std::string>().starts_with('-'))
-        mistakes_.at_value(value, in_quotes(value.json->get<std::string>()) + " is no option of Slurm",
-                           "an option begins with -, such as --gres=gpu:1");
+        mistakes_.at_value(value, in_quotes(value.json->get<std::string>()) + " is not a Slurm option",
+                           "options start with -, such as --gres=gpu:1");
 }
 
 void Reader::check_restarts()

@@ -18,7 +18,7 @@ void Reader::read(const Value& file, bool complete)
             plan_.name = *name;
             if (!is_name(lock_of(*name)) || !is_name(*name))
                 mistakes_.at_value(*value, in_quotes(*name) + " is not a name for a swarm",
-                                   "use 1 to 58 letters, digits, '_', '.' or '-', and begin with a letter or digit");
+                                   "use 1 to 58 letters, digits, '_', '.' or '-', starting with a letter or digit");
         }
     members.text("$schema");
     if (const auto drones = members.require("drones"))

@@ -121,8 +121,8 @@ std::string CommandLines::address(const SwarmDrone& drone) const
         return text;
     auto listen = transport::parse_address(listening(drone));
     if (is_everywhere(listen.host) && drone.host == Place::here)
-        throw Error(Errc::invalid_argument, "drones of other machines do not know where " + drone.name + " is",
-                    "say it in the file: \"advertise\": \"tcp://HOST\"");
+        throw Error(Errc::invalid_argument, "other machines need the address of " + drone.name,
+                    "set it in the file: \"advertise\": \"tcp://HOST\"");
     if (is_everywhere(listen.host))
         listen.host = machine_name(drone.host);
     return to_text(listen);

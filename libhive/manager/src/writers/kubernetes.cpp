@@ -29,11 +29,11 @@ SwarmPlan relabelled(SwarmPlan plan)
         drone.name = label_of(drone.name);
         const bool letter_first = drone.name.front() >= 'a' && drone.name.front() <= 'z';
         if (!letter_first || drone.name.size() > 63)
-            throw Error(Errc::invalid_argument, drone.name + " is no name for a Service of Kubernetes",
-                        "let it begin with a letter, and have at most 63");
+            throw Error(Errc::invalid_argument, drone.name + " is not a valid Service name",
+                        "start with a letter; use at most 63 characters");
         if (!labels.insert(drone.name).second)
             throw Error(Errc::invalid_argument, "two drones would be called " + drone.name + " in Kubernetes",
-                        "let them differ in more than upper case, '_' and '.'");
+                        "they must differ in more than upper case, '_' and '.'");
     }
     for (auto& connection : plan.connections) {
         if (connection.options.group == connection.from.drone)

@@ -42,7 +42,7 @@ ExportedFiles export_swarm(const SwarmPlan& plan, std::string_view form, const E
     std::string list;
     for (const auto& one : export_forms())
         list += (list.empty() ? "" : ", ") + one;
-    throw Error(Errc::invalid_argument, "a swarm cannot be written as " + in_quotes(form), "there are: " + list);
+    throw Error(Errc::invalid_argument, "unknown export form " + in_quotes(form), "forms: " + list);
 }
 
 }  // namespace hive
