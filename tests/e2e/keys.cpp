@@ -127,7 +127,7 @@ TEST_CASE("keys: two machines with one key share a swarm over tcp, and nobody el
     CHECK(has(refusal.what(), "wrong swarm key"));
     // A refused peer may know that before the drone has logged it.
     CHECK(eventually([&] { return has(here.log("ticker"), "is not known here"); }));
-    CHECK(eventually([&] { return has(here.log("ticker"), "without a key"); }));
+    CHECK(eventually([&] { return has(here.log("ticker"), "uses no key"); }));
 
     here.hivectl_done({"key", "view"});
     Stranger viewer(here.key_file().parent_path() / "viewer.key");

@@ -165,7 +165,7 @@ TEST_CASE("places: one that does not answer is unreachable, costs the others not
     CHECK(near.hivectl({"stop", "lost"}).exit_code == 4);
     const auto started = near.hivectl({"start", "ticker", "--as", "lost"});
     CHECK_MESSAGE(started.exit_code == 0, started.err);
-    CHECK(has(started.err, "forgotten"));
+    CHECK(has(started.err, "its address was removed"));
     CHECK(row_named(near.hivectl_done({"ps", "--json"}), "name", "lost").at("host") == "local");
 }
 
