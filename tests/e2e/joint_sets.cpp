@@ -114,7 +114,7 @@ TEST_CASE("joint set: a drone that ends after it has prepared is the reason why 
     const auto exit_code = setter.wait(patient(10'000ms));
     REQUIRE(exit_code.has_value());
     CHECK(*exit_code != 0);
-    CHECK(swarm.log("set").find("nothing has changed") != std::string::npos);
+    CHECK(swarm.log("set").find("no drone was changed") != std::string::npos);
     CHECK(application.get("s2", {"most_ms"}).at("most_ms") != 7000);
     CHECK(application.get("s3", {"most_ms"}).at("most_ms") != 7000);
 }
@@ -133,7 +133,7 @@ TEST_CASE("joint set: a drone that is stopped before it is prepared leaves all a
     std::this_thread::sleep_until(idle);  // so the set is the next that it finds
     drones[1].signal(SIGCONT);
     CHECK(exit_code == 4);
-    CHECK(swarm.log("set").find("nothing has changed") != std::string::npos);
+    CHECK(swarm.log("set").find("no drone was changed") != std::string::npos);
     for (const std::string drone : {"s1", "s2"})
         CHECK(application.set(drone, {{"throw_at", 0}}) == Json{{"throw_at", 0}});  // after everything queued there
     CHECK(values(application, "most_ms") == std::vector{600'000, 600'000});
