@@ -1,10 +1,10 @@
-// A file is DRONE,NUMBER,RUN,EDGE. It contains packets as on the wire: one about the failure, then one for each input.
+// The files are named DRONE,NUMBER,RUN,EDGE.
 #include <hive/error.hpp>
+#include <hive/event/clock.hpp>
+#include <hive/event/failure_file.hpp>
 #include <hive/event/failure_store.hpp>
-#include <hive/event_text.hpp>
 #include <hive/name.hpp>
 #include <hive/platform/process.hpp>
-#include <hive/protocol/packet.hpp>
 #include <hive/transport/folder_lock.hpp>
 
 #include <algorithm>
@@ -15,7 +15,6 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
-#include <map>
 #include <set>
 
 #include <fcntl.h>
@@ -24,8 +23,6 @@
 
 namespace hive::event {
 namespace fs = std::filesystem;
-
-using protocol::PacketType;
 
 struct FailureStore::File {
     fs::path path;
@@ -38,7 +35,6 @@ struct FailureStore::File {
 
 namespace {
 
-constexpr protocol::Limits file_limits{.header = 64 * 1024, .body = 1u << 30};
 constexpr std::string_view unfinished = ".new-";
 
 [[noreturn]] void fail(const std::string& what) { throw Error(Errc::io, what + ": " + std::strerror(errno)); }
@@ -58,77 +54,48 @@ std::int64_t number_of(const std::string& digits)
     return std::from_chars(digits.data(), end, number).ptr == end ? number : -1;
 }
 
-void write_packet(std::ofstream& out, PacketType type, const std::string& header, const Body& body)
+/// Created with its mode, so that other users can never open it, and with its final size at most, so that other writers
+/// make room for it.
+void reserve(const fs::path& file, std::uintmax_t bytes)
 {
-    const auto prefix = protocol::encode({.type = type,
-                                          .header_size = static_cast<std::uint32_t>(header.size()),
-                                          .body_size = static_cast<std::uint32_t>(body.size())});
-    out.write(reinterpret_cast<const char*>(prefix.data()), static_cast<std::streamsize>(prefix.size()));
-    out << header;
-    out.write(reinterpret_cast<const char*>(body.data()), static_cast<std::streamsize>(body.size()));
-}
-
-void write_failure(const fs::path& file, const KeptFailure& failure)
-{
-    // Created with its mode, so that other users can never open it.
-    const int descriptor = ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0600);
-    if (descriptor < 0)
-        fail("cannot write " + file.string());
+    const int descriptor = ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600);
+    const bool reserved = descriptor >= 0 && ::ftruncate(descriptor, static_cast<off_t>(bytes)) == 0;
     ::close(descriptor);
-    std::ofstream out(file, std::ios::binary);
-    Json inputs = Json::array();
-    for (const auto& event : failure.inputs)
-        inputs.push_back(event.input);
-    write_packet(out, PacketType::exception,
-                 to_text(Json{{"drone", failure.drone},
-                              {"time_us", failure.time_us},
-                              {"code", failure.code},
-                              {"text", failure.text},
-                              {"inputs", inputs}}),
-                 {});
-    for (const auto& event : failure.inputs)
-        write_packet(out, PacketType::event, event_text(event), event.body);
-    if (out.flush().fail())
+    if (!reserved)
         fail("cannot write " + file.string());
 }
 
-std::string bytes_from(std::ifstream& in, std::size_t size)
+void write(const fs::path& file, const KeptFailure& failure)
 {
-    std::string bytes(size, '\0');
-    if (!in.read(bytes.data(), static_cast<std::streamsize>(size)))
-        throw Error(Errc::malformed, "a kept failure is truncated");
-    return bytes;
+    std::ofstream out(file, std::ios::binary | std::ios::in);  // `in` keeps the reserved size
+    write_failure(out, failure);
+    const auto size = out.tellp();
+    out.close();
+    if (!out || ::truncate(file.c_str(), size) != 0)
+        fail("cannot write " + file.string());
 }
 
-protocol::Packet read_packet(std::ifstream& in, std::uintmax_t left, bool body)
-{
-    const auto prefix_bytes = bytes_from(in, protocol::prefix_size);
-    const auto prefix =
-        protocol::decode_prefix(reinterpret_cast<const unsigned char*>(prefix_bytes.data()), file_limits);
-    if (prefix.header_size + std::uintmax_t(prefix.body_size) > left)
-        throw Error(Errc::malformed, "a kept failure is truncated");
-    auto header = bytes_from(in, prefix.header_size);
-    if (body)
-        return protocol::make_packet(prefix.type, std::move(header), 0, Body(bytes_from(in, prefix.body_size)));
-    in.seekg(prefix.body_size, std::ios::cur);
-    return protocol::make_packet(prefix.type, std::move(header));
-}
-
-void read_failure(const fs::path& file, std::uintmax_t size, bool bodies, KeptFailure& failure)
-{
-    std::ifstream in(file, std::ios::binary);
-    const Json about = parse_json(read_packet(in, size, true).header_text());
-    const Fields fields(about, "a kept failure");
-    failure.time_us = fields.integer("time_us", 0, max_json_integer);
-    failure.code = fields.text("code");
-    failure.text = fields.text("text");
-    for (const auto& input : fields.array("inputs")) {
-        const auto packet = read_packet(in, size, bodies);
-        Event event = event_from_text(packet.header_text(), packet.body);
-        event.input = require_name(input.is_string() ? input.get<std::string>() : "", "input");
-        failure.inputs.push_back(std::move(event));
+/// A file that is being written, or was when its process crashed.
+class Unfinished {
+public:
+    explicit Unfinished(const fs::path& directory)
+    {
+        static std::atomic<int> count = 0;
+        path_ =
+            directory / (std::string(unfinished) + std::to_string(platform::own_pid()) + "-" + std::to_string(++count));
     }
-}
+    ~Unfinished()
+    {
+        std::error_code ignored;
+        fs::remove(path_, ignored);  // no longer there once it was renamed
+    }
+    Unfinished(const Unfinished&) = delete;
+    Unfinished& operator=(const Unfinished&) = delete;
+    [[nodiscard]] const fs::path& path() const { return path_; }
+
+private:
+    fs::path path_;
+};
 
 }  // namespace
 
@@ -157,70 +124,83 @@ std::vector<FailureStore::File> FailureStore::files() const
     return found;
 }
 
+/// The number of a failure among these files: that of the same crash, or the next one.
+std::int64_t FailureStore::number_for(const KeptFailure& failure, const std::vector<File>& files)
+{
+    std::int64_t next = 1;
+    for (const auto& file : files) {
+        if (file.drone != failure.drone)
+            continue;
+        if (failure.run != 0 && file.run == failure.run)
+            return file.number;
+        next = std::max(next, file.number + 1);
+    }
+    return next;
+}
+
 std::int64_t FailureStore::keep(const KeptFailure& failure, const std::string& edge) const
 {
-    std::uintmax_t bytes = 0;
-    for (const auto& event : failure.inputs)
-        bytes += event.body.size() + file_limits.header;
+    const auto bytes = failure_file_bound(failure);
     if (bytes > max_bytes)
         return 0;
     if (::mkdir(directory_.c_str(), 0700) != 0 && errno != EEXIST)
         fail("cannot make " + directory_.string());
-    static std::atomic<int> writings = 0;
-    const auto fresh =
-        directory_ / (std::string(unfinished) + std::to_string(platform::own_pid()) + "-" + std::to_string(++writings));
-    std::error_code problem;
-    try {
-        write_failure(fresh, failure);
-    } catch (const Error&) {
-        fs::remove(fresh, problem);
-        throw;
+    const Unfinished fresh(directory_);
+    {
+        const transport::FolderLock lock(directory_, max_wait);
+        make_room(failure, bytes);
+        reserve(fresh.path(), bytes);
     }
-    const transport::FolderLock lock(directory_);  // not while bodies are written
-    std::int64_t number = 0;
-    for (const auto& file : files())
-        if (file.drone == failure.drone) {
-            const bool same = failure.run != 0 && file.run == failure.run;
-            number = same ? file.number : std::max(number, file.number + 1);
-            if (same)
-                break;
-        }
-    number = std::max<std::int64_t>(number, 1);
+    write(fresh.path(), failure);
+    const transport::FolderLock lock(directory_, max_wait);  // not while bodies are written
+    const auto number = number_for(failure, files());
     constexpr std::size_t max_edge = 128;  // so that the file name is valid on all file systems
     const auto name = failure.drone + "," + std::to_string(number) + "," + std::to_string(failure.run) + ","
                       + edge.substr(0, max_edge);
-    fs::rename(fresh, directory_ / name, problem);
-    if (problem) {
-        fs::remove(fresh, problem);
+    std::error_code problem;
+    fs::rename(fresh.path(), directory_ / name, problem);
+    if (problem)
         throw Error(Errc::io, "cannot keep " + (directory_ / name).string());
-    }
-    make_room();
     return number;
 }
 
-/// Removes the oldest failures of a drone that has too many, then the oldest of all, and files left by crashed writers.
-void FailureStore::make_room() const
+/// Bytes of the files that are being written. Removes those of crashed writers.
+std::uintmax_t FailureStore::unfinished_bytes() const
 {
+    std::uintmax_t bytes = 0;
     std::error_code ignored;
     for (const auto& entry : fs::directory_iterator(directory_, ignored)) {
         const auto name = entry.path().filename().string();
-        if (name.starts_with(unfinished)
-            && platform::process_ends(number_of(name.substr(unfinished.size(), name.rfind('-') - unfinished.size()))))
+        if (!name.starts_with(unfinished))
+            continue;
+        const auto pid = number_of(name.substr(unfinished.size(), name.rfind('-') - unfinished.size()));
+        if (platform::process_ends(pid))
             fs::remove(entry.path(), ignored);
+        else if (const auto size = entry.file_size(ignored); !ignored)
+            bytes += size;
     }
+    return bytes;
+}
+
+/// Removes the oldest failures of its drone if that has too many, then the oldest of all.
+void FailureStore::make_room(const KeptFailure& failure, std::uintmax_t bytes) const
+{
+    bytes += unfinished_bytes();
+    if (bytes > max_bytes)
+        throw Error(Errc::refused, "other failures are being written, and together they are too large");
+    std::error_code ignored;
     auto all = files();
-    std::map<std::string, std::set<std::int64_t>> numbers;
+    std::set<std::int64_t> numbers{number_for(failure, all)};
     for (const auto& file : all)
-        numbers[file.drone].insert(file.number);
+        if (file.drone == failure.drone)
+            numbers.insert(file.number);
+    while (numbers.size() > max_failures)
+        numbers.erase(numbers.begin());
     std::erase_if(all, [&](const File& file) {
-        auto& of_drone = numbers[file.drone];
-        while (of_drone.size() > max_failures)
-            of_drone.erase(of_drone.begin());
-        return !of_drone.contains(file.number) && fs::remove(file.path, ignored);
+        return file.drone == failure.drone && !numbers.contains(file.number) && fs::remove(file.path, ignored);
     });
     std::ranges::sort(all, std::greater(), &File::time);
-    std::uintmax_t bytes = 0;
-    std::size_t count = 0;
+    std::size_t count = 1;
     for (const auto& file : all)
         if ((bytes += file.bytes) > max_bytes || ++count > max_files)
             fs::remove(file.path, ignored);
@@ -240,12 +220,15 @@ std::vector<KeptFailure> FailureStore::read(const std::string& drone, bool bodie
     for (const auto& file : files()) {
         if (file.drone != drone)
             continue;
-        KeptFailure part{.drone = drone, .number = file.number, .run = file.run, .code = {}, .text = {}, .inputs = {}};
+        KeptFailure part;
         try {
-            read_failure(file.path, file.bytes, bodies, part);
+            part = read_failure(file.path, bodies);
         } catch (const Error&) {
             continue;  // removed meanwhile, or changed by hand
         }
+        part.drone = drone;
+        part.number = file.number;
+        part.run = file.run;
         if (failures.empty() || failures.back().number != part.number) {
             failures.push_back(std::move(part));
             continue;

@@ -21,6 +21,9 @@ struct KeptFailure {
     std::string code;
     std::string text;
     std::vector<Event> inputs;  ///< each with its `input`
+    // Only in a file that save_failure() wrote, if known there: the program of the drone, and what it was given.
+    std::string kind{}, version{};
+    Json parameters = Json::object();
 };
 
 }  // namespace hive

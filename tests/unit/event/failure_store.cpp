@@ -6,8 +6,12 @@
 
 #include <cstdlib>
 #include <doctest/doctest.h>
+#include <fcntl.h>
 #include <fstream>
+#include <sys/file.h>
 #include <sys/stat.h>
+#include <thread>
+#include <unistd.h>
 
 namespace hive::event {
 namespace {
@@ -106,6 +110,52 @@ TEST_CASE("failure store: 64 MiB in all, and nothing larger")
     CHECK(store.drones() == std::vector<std::string>{"b", "c", "d"});
     CHECK(store.keep(failure("e", 1, 0, FailureStore::max_bytes + 1)) == 0);
     CHECK(store.drones().size() == 3);
+}
+
+TEST_CASE("failure store: room is made before a failure is written")
+{
+    const Folder folder;
+    const FailureStore store(folder.home());
+    std::uintmax_t most = 0;
+    std::jthread watcher([&](const std::stop_token& end) {
+        while (!end.stop_requested()) {
+            std::uintmax_t bytes = 0;
+            std::error_code gone;
+            for (const auto& entry : std::filesystem::directory_iterator(folder.kept(), gone))
+                if (const auto size = entry.file_size(gone); !gone)
+                    bytes += size;
+            most = std::max(most, bytes);
+        }
+    });
+    for (int i = 1; i <= 8; ++i)
+        CHECK(store.keep(failure("face-" + std::to_string(i), 1, 0, 20u << 20)) == 1);
+    watcher.request_stop();
+    watcher.join();
+    CHECK(most > FailureStore::max_bytes / 2);
+    CHECK(most <= FailureStore::max_bytes);
+}
+
+TEST_CASE("failure store: a process that is suspended with the lock delays others only shortly, and they say so")
+{
+    const Folder folder;
+    const FailureStore store(folder.home());
+    CHECK(store.keep(failure("face", 1)) == 1);
+    const int other = ::open(folder.kept().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    REQUIRE(::flock(other, LOCK_EX) == 0);
+    const auto begin = std::chrono::steady_clock::now();
+    try {
+        store.keep(failure("face", 2));
+        FAIL("kept");
+    } catch (const Error& error) {
+        CHECK(error.code() == Errc::timeout);
+        CHECK(std::string(error.what()).find("another process keeps ") == 0);
+    }
+    const auto waited = std::chrono::steady_clock::now() - begin;
+    CHECK(waited >= FailureStore::max_wait);
+    CHECK(waited < 20 * FailureStore::max_wait);
+    CHECK(std::distance(std::filesystem::directory_iterator(folder.kept()), {}) == 1);
+    ::close(other);
+    CHECK(store.keep(failure("face", 2)) == 2);
 }
 
 TEST_CASE("failure store: only its user reads, and what a writer that died has left is removed")

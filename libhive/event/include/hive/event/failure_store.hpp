@@ -2,9 +2,10 @@
 // of a drone and 64 MiB in all.
 #pragma once
 
+#include <hive/event/failure_file.hpp>
 #include <hive/event/home.hpp>
-#include <hive/kept_failure.hpp>
 
+#include <chrono>
 #include <string>
 #include <vector>
 
@@ -15,16 +16,19 @@ class FailureStore {
 public:
     static constexpr std::size_t max_failures = 4;  ///< of a drone
     static constexpr std::size_t max_files = 256;
-    static constexpr std::uintmax_t max_bytes = 64u << 20;
+    static constexpr std::uintmax_t max_bytes = max_failure_bytes;
+    /// How long keep() waits for another process that has locked the folder.
+    static constexpr std::chrono::milliseconds max_wait{500};
     /// Below the runtime directory.
     static constexpr const char* folder = ".failures";
 
     explicit FailureStore(const Home& home);
 
-    /// A crash that another sender has kept already keeps its number; older failures are evicted.
+    /// A crash that another sender has kept already keeps its number; older failures are evicted first.
     /// @param edge  the output and the input of an event that a sender keeps; empty: kept by the drone itself
     /// @return its number; 0: it is larger than the store
-    /// @throws Error  io
+    /// @throws Error  io; timeout: another process keeps the folder locked; refused: failures that others write at this
+    ///                time fill it
     std::int64_t keep(const KeptFailure& failure, const std::string& edge = {}) const;
     /// The failures of a drone, by number. Unreadable ones are skipped.
     /// @param bodies  false: the events have only their headers and sizes
@@ -35,7 +39,9 @@ public:
 private:
     struct File;
     [[nodiscard]] std::vector<File> files() const;
-    void make_room() const;
+    [[nodiscard]] std::uintmax_t unfinished_bytes() const;
+    [[nodiscard]] static std::int64_t number_for(const KeptFailure& failure, const std::vector<File>& files);
+    void make_room(const KeptFailure& failure, std::uintmax_t bytes) const;
 
     std::filesystem::path directory_;
 };
