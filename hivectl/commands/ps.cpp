@@ -120,15 +120,11 @@ hive::Json crash_json(const hive::CrashedDrone& crash)
             {"time_us", crash.time_us}};
 }
 
-/// "; hivectl rerun face 3" if the input of the crash is kept, judging by the times.
+/// "; hivectl rerun face 3" if the input of the crash is kept.
 std::string rerun_text(hive::Application& application, const hive::CrashedDrone& crash)
 {
-    constexpr std::int64_t second_us = 1'000'000;
-    const auto failures = application.failures(crash.drone);
-    const auto its = std::ranges::find_if(failures, [&](const hive::KeptFailure& failure) {
-        return failure.code == "died" && failure.time_us >= crash.time_us - second_us;
-    });
-    return its == failures.end() ? "" : "; hivectl rerun " + crash.drone + " " + std::to_string(its->number);
+    const auto failure = application.failure_of(crash);
+    return failure ? "; hivectl rerun " + crash.drone + " " + std::to_string(failure->number) : "";
 }
 
 Row crashed_row(hive::Application& application, const hive::CrashedDrone& crash)

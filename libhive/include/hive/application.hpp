@@ -188,6 +188,8 @@ public:
     /// machine. The drone may have exited.
     /// @param bodies  false: only headers and sizes of the inputs
     std::vector<KeptFailure> failures(const std::string& drone, bool bodies = false);
+    /// The kept failure of a crash, without bodies; nothing if its inputs were not kept on this machine.
+    std::optional<KeptFailure> failure_of(const CrashedDrone& crash);
     /// Names of drones with failures kept on this machine. Sorted.
     std::vector<std::string> failing();
     /// Drones that crash each time Swarm::stay restarts them, until they run again or are stopped. Sorted.

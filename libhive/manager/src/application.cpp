@@ -50,6 +50,17 @@ std::vector<KeptFailure> Application::failures(const std::string& drone, bool bo
     return event::FailureStore(core_->directory.home()).read(drone, bodies);
 }
 
+/// A sender keeps the failure once the connection ends, after the crash, and knows when the process started.
+std::optional<KeptFailure> Application::failure_of(const CrashedDrone& crash)
+{
+    constexpr std::int64_t second_us = 1'000'000;
+    auto failures = this->failures(crash.drone);
+    const auto found = std::ranges::find_if(failures, [&](const KeptFailure& failure) {
+        return failure.code == "died" && failure.run <= crash.time_us && failure.time_us >= crash.time_us - second_us;
+    });
+    return found == failures.end() ? std::nullopt : std::optional(std::move(*found));
+}
+
 std::vector<std::string> Application::failing() { return event::FailureStore(core_->directory.home()).drones(); }
 
 std::vector<std::string> Application::find(const std::string& pattern)

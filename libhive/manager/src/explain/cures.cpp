@@ -123,26 +123,31 @@ void withdraw(Application& application, Cause& cause)
         cause.command = "hivectl disconnect " + to_text(from) + " " + to_text(to);
 }
 
+/// It throws now, and a few of its failures are kept.
+std::optional<KeptFailure> recent_exception(Application& application, const std::string& drone)
+{
+    constexpr std::int64_t recent_us = 30'000'000;
+    auto failures = application.failures(drone);
+    const auto found = std::find_if(failures.rbegin(), failures.rend(), [&](const KeptFailure& failure) {
+        return failure.run == 0 && failure.time_us >= event::wall_us() - recent_us;
+    });
+    return found == failures.rend() ? std::nullopt : std::optional(*found);
+}
+
+std::optional<KeptFailure> last_crash(Application& application, const std::string& drone)
+{
+    const auto crashes = application.crashed();
+    const auto crash = std::ranges::find(crashes, drone, &CrashedDrone::drone);
+    return crash == crashes.end() ? std::nullopt : application.failure_of(*crash);
+}
+
 /// The failure of a crash or an exception, if its input is kept here.
 void name_failure(Application& application, Cause& cause)
 {
-    constexpr std::int64_t second_us = 1'000'000;
-    std::int64_t since_us = event::wall_us() - 30 * second_us;  // it throws now, and a few of its failures are kept
-    if (cause.what != What::throws) {
-        const auto crashes = application.crashed();
-        const auto crash = std::ranges::find(crashes, cause.drone, &CrashedDrone::drone);
-        if (crash == crashes.end())
-            return;
-        since_us = crash->time_us - second_us;
-    }
-    const auto failures = application.failures(cause.drone);
-    const bool died = cause.what != What::throws;
-    for (auto failure = failures.rbegin(); failure != failures.rend(); ++failure)
-        if (failure->time_us >= since_us && died == (failure->code == "died")) {
-            cause.evidence += (cause.evidence.empty() ? "" : "; ") + std::string("its input is kept: hivectl rerun ")
-                              + cause.drone + " " + std::to_string(failure->number);
-            return;
-        }
+    if (const auto failure = cause.what == What::throws ? recent_exception(application, cause.drone)
+                                                        : last_crash(application, cause.drone))
+        cause.evidence += (cause.evidence.empty() ? "" : "; ") + std::string("its input is kept: hivectl rerun ")
+                          + cause.drone + " " + std::to_string(failure->number);
 }
 
 void complete(Application& application, Cause& cause)

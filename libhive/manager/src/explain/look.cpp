@@ -2,6 +2,7 @@
 #include "look.hpp"
 
 #include <hive/event/home.hpp>
+#include <hive/name.hpp>
 #include <hive/platform/process.hpp>
 #include <hive/program.hpp>
 #include <hive/stall.hpp>
