@@ -7,6 +7,7 @@
 
 #include <hive/error.hpp>
 #include <hive/event_text.hpp>
+#include <hive/rerun.hpp>
 
 #include <algorithm>
 #include <cerrno>
@@ -30,6 +31,22 @@ std::pair<hive::Body, std::string> as_file(const hive::Event& event)
     return {event.body, ending.empty() || ending == ".json" ? ".bin" : ending};
 }
 
+hive::Json about(const hive::KeptFailure& failure, const hive::Event& event, const std::string& body)
+{
+    hive::Json json{{"drone", failure.drone},
+                    {"number", failure.number},
+                    {"time_us", failure.time_us},
+                    {"code", failure.code},
+                    {"text", failure.text},
+                    {"input", event.input},
+                    {"event", hive::parse_json(hive::event_text(event))}};
+    if (!body.empty())
+        json["body"] = body;
+    return json;
+}
+
+}  // namespace
+
 void write_new(const std::filesystem::path& file, std::string_view bytes)
 {
     const int descriptor = ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600);
@@ -48,22 +65,6 @@ void write_new(const std::filesystem::path& file, std::string_view bytes)
     if (!written)
         throw hive::Error(hive::Errc::io, "cannot write " + printable(file.string()) + ": " + std::strerror(error));
 }
-
-hive::Json about(const hive::KeptFailure& failure, const hive::Event& event, const std::string& body)
-{
-    hive::Json json{{"drone", failure.drone},
-                    {"number", failure.number},
-                    {"time_us", failure.time_us},
-                    {"code", failure.code},
-                    {"text", failure.text},
-                    {"input", event.input},
-                    {"event", hive::parse_json(hive::event_text(event))}};
-    if (!body.empty())
-        json["body"] = body;
-    return json;
-}
-
-}  // namespace
 
 Row failure_row(const hive::KeptFailure& failure)
 {
@@ -86,7 +87,8 @@ Row failure_row(const hive::KeptFailure& failure)
             {"text", failure.text}};
 }
 
-std::vector<std::string> save_failure(const hive::KeptFailure& failure, const std::filesystem::path& directory)
+std::vector<std::string> save_failure(hive::Application& application, const hive::KeptFailure& failure,
+                                      const std::filesystem::path& directory)
 {
     std::error_code ignored;
     std::filesystem::create_directories(directory, ignored);  // a failure shows when the first file is written
@@ -105,6 +107,8 @@ std::vector<std::string> save_failure(const hive::KeptFailure& failure, const st
         write_new(directory / (name + ".json"), about(failure, event, body_file).dump(2) + "\n");
         files.push_back(name + ".json");
     }
+    files.push_back(failure.drone + "-" + std::to_string(failure.number) + ".failure");
+    write_new(directory / files.back(), hive::failure_file(application, failure));
     return files;
 }
 

@@ -103,7 +103,7 @@ int save(const std::vector<std::string>& drones, const Options& options, Session
         for (const auto& failure : session.application().failures(drone, true))
             try {
                 any = true;
-                const auto files = save_failure(failure, options.save);
+                const auto files = save_failure(session.application(), failure, options.save);
                 outcome.done();
                 auto row = failure_row(failure);
                 write_out(session.json ? row.add("files", files).json() + "\n" : "");
@@ -192,7 +192,8 @@ Run declare(CommandLine& line, Session& session)
         .needs(following);
     const auto saving = line.option("--save", options->save,
                                     "write each kept input to this directory: NAME-NO.INPUT.jpg (.png, .txt, .bin), "
-                                    "and a .json with its header and the failure; overwrites nothing")
+                                    "with a .json with its header and the failure; and NAME-NO.failure, the whole "
+                                    "failure, for hivectl rerun; overwrites nothing")
                             .type_name("DIR")
                             .excludes(following);
     line.option("--on-exception", options->policy,

@@ -14,6 +14,7 @@
 #include <hive/rerun.hpp>
 
 #include <algorithm>
+#include <charconv>
 #include <sstream>
 
 namespace hivectl::rerun_verb {
@@ -22,7 +23,7 @@ namespace {
 using namespace std::chrono_literals;
 
 struct Options {
-    std::string name, kind, program, under;
+    std::string name, kind, program, under, on, save;
     std::vector<std::string> words;
 };
 
@@ -35,34 +36,44 @@ std::vector<std::string> words_of(const std::string& text)
     return words;
 }
 
-/// Takes the number out of the arguments, if there is one; the others are settings.
-std::optional<std::string> taken_number(std::vector<std::string>& words)
+/// Takes the number out of the arguments, if there is one; the others are settings. 0: the newest.
+std::int64_t taken_number(std::vector<std::string>& words)
 {
     const auto found = std::ranges::find_if(words, [](const auto& word) { return word.find('=') == word.npos; });
     if (found == words.end())
-        return std::nullopt;
-    const auto number = *found;
+        return 0;
+    const auto word = *found;
     words.erase(found);
+    std::int64_t number = 0;
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
+    if (error != std::errc() || end != word.data() + word.size() || number < 1)
+        throw hive::Error(hive::Errc::invalid_argument, printable(word) + " is not the number of a failure",
+                          "see them: hivectl exceptions");
     return number;
 }
 
-hive::KeptFailure failure_meant(Session& session, const std::string& drone, const std::optional<std::string>& number)
+hive::KeptFailure failure_meant(const Options& options, std::int64_t number, Session& session)
 {
-    const auto failures = session.application().failures(drone, true);
-    if (failures.empty())
-        throw hive::Error(hive::Errc::not_found, "no input that " + printable(drone) + " failed at is kept here",
-                          "see what is: hivectl exceptions");
-    const auto found = number ? std::ranges::find(failures, *number,
-                                                  [](const auto& failure) { return std::to_string(failure.number); })
-                              : failures.end() - 1;
-    if (found != failures.end())
-        return *found;
-    std::string kept;
-    for (const auto& failure : failures)
-        kept += (kept.empty() ? "" : ", ") + std::to_string(failure.number);
-    throw hive::Error(hive::Errc::not_found,
-                      "of " + printable(drone) + " no failure " + printable(*number) + " is kept, but " + kept,
-                      "see them: hivectl exceptions " + printable(drone));
+    const Waiting waiting("the failure of " + printable(options.name));
+    constexpr auto for_ssh = 12s;
+    return hive::find_failure(session.application(), {.drone = options.name,
+                                                      .number = number,
+                                                      .on = options.on,
+                                                      .limit = session.timeout(30s) + for_ssh,
+                                                      .cancelled = interrupt::requested});
+}
+
+int save(const hive::KeptFailure& failure, const Options& options, Session& session)
+{
+    const auto bytes = hive::failure_file(session.application(), failure);
+    if (options.save == "-") {
+        write_out(bytes);
+        return exit_code::done;
+    }
+    write_new(options.save, bytes);
+    auto row = failure_row(failure);
+    write_out(session.json ? row.add("file", options.save).json() + "\n" : printable(options.save) + "\n");
+    return exit_code::done;
 }
 
 std::string sentence(const hive::KeptFailure& failure, const hive::Rerun& result, const std::string& limit)
@@ -81,13 +92,15 @@ int run(const Options& options, Session& session)
 {
     auto words = options.words;
     const auto number = taken_number(words);
-    const auto failure = failure_meant(session, options.name, number);
+    const interrupt::Deferred deferred;
+    const auto failure = failure_meant(options, number, session);
+    if (!options.save.empty())
+        return save(failure, options, session);
     const auto under = words_of(options.under);
     const auto limit = session.timeout(30s);
-    const interrupt::Deferred deferred;
     std::optional<Waiting> waiting;
     if (under.empty())
-        waiting.emplace("a fresh " + failure.drone + " to take failure " + std::to_string(failure.number));
+        waiting.emplace("a fresh " + failure.drone + " to take the input");
     const auto result =
         hive::rerun(session.application(), failure,
                     {.kind = options.kind,
@@ -98,6 +111,9 @@ int run(const Options& options, Session& session)
                      // ignored: Ctrl-C is for the debugger
                      .cancelled = [attached = !under.empty()] { return !attached && interrupt::requested(); }});
     waiting.reset();
+    for (const auto& difference : result.unfit)
+        if (!session.json)
+            complain("rerun", printable(difference));
     const bool passed = result.outcome == hive::Rerun::Outcome::passed;
     if (session.json)
         write_out(failure_row(failure)
@@ -105,6 +121,7 @@ int run(const Options& options, Session& session)
                       .add("rerun_code", result.code)
                       .add("rerun_text", result.text)
                       .add("emitted", result.emitted)
+                      .add("unfit", result.unfit)
                       .add("log", result.log)
                       .json()
                   + "\n");
@@ -118,7 +135,9 @@ int run(const Options& options, Session& session)
 Run declare(CommandLine& line, Session& session)
 {
     auto options = std::make_shared<Options>();
-    line.option("NAME", options->name, "a drone that failed, running or not").required();
+    line.option("NAME", options->name,
+                "a drone that failed, running or not; or a file of --save: NAME.failure, or a path with a slash")
+        .required();
     line.option("words", options->words,
                 "NO: number of the failure in hivectl exceptions (default: the newest); key=value: parameters of the "
                 "new drone, in addition to those of NAME");
@@ -129,6 +148,13 @@ Run declare(CommandLine& line, Session& session)
                 "run the drone under this command at this terminal, such as \"gdb --args\" or \"valgrind\", without "
                 "--timeout; it gets the input once it is ready")
         .type_name("WORDS");
+    line.option("--on", options->on,
+                "the failure is kept on this machine, as ssh names it (default: this one, or the one on which "
+                "NAME was started with --on)")
+        .type_name("HOST");
+    line.option("--save", options->save,
+                "run nothing; write the failure to this file, which is enough to rerun it anywhere (-: stdout)")
+        .type_name("FILE");
     return [options, &session] { return run(*options, session); };
 }
 
@@ -138,16 +164,23 @@ Verb verb()
 {
     return {.name = "rerun",
             .group = "errors",
-            .usage = "NAME [NO] [key=value ...] [--program PATH] [--under \"gdb --args\"] [options]",
+            .usage = "(NAME [NO] | FILE) [key=value ...] [--program PATH] [--under \"gdb --args\"] [options]",
             .summary = "Reruns the input that a drone failed at in a new drone",
             .details =
                 "The new drone has the program and the parameters that NAME has, or had before it crashed. It runs "
                 "outside of the swarm, in its own directory, without connections, and exits with hivectl. It gets the "
                 "kept events at the inputs where NAME had them; after a crash, all that the senders kept. hivectl "
                 "reports the outcome and, if the drone failed again, prints the end of its log.\n\n"
+                "A failure that another machine keeps is fetched over ssh; each machine has its own numbers. A FILE "
+                "that --save or hivectl exceptions --save has written needs neither that drone nor that machine: it "
+                "names the kind, the version and the parameters. Since anyone may have made it, parameters that affect "
+                "the machine (paths, URLs) are not taken from it, nor is a Python file (--kind FILE.py); hivectl "
+                "prints what was left out.\n\n"
                 "The exit code is 0 if the drone did not fail, and 9 if it threw, crashed or did not finish in time.",
             .examples = "hivectl rerun face\n"
                         "hivectl rerun face 3 --under \"gdb --args\"\n"
+                        "hivectl rerun face --on gpu1 --save face.failure\n"
+                        "hivectl rerun face.failure\n"
                         "hivectl rerun face 3 --program build/debug/bin/hive-face scale=1.2",
             .timeout = "how long the drone may take to become ready, and then to finish (default 30)",
             .operands = {Operand::failed_drone, Operand::other},

@@ -425,9 +425,11 @@ HIVE_API hive_code hive_application_graph(hive_application* application, char** 
 HIVE_API hive_code hive_application_failures(hive_application* application, const char* drone, char** json,
                                              size_t* length);
 /* Reruns the inputs of a failure in a new drone of the same kind, outside of the swarm: {"outcome": "passed", "threw",
-   "died" or "hung", "code", "text", "emitted", "log"}. `number` 0: the newest. Options: {"kind", "program": of another
-   build, "parameters": in addition to those of the drone, "under": ["valgrind"], "limit_ms": default 30000}. For the
-   main thread: when it exits, so does the new drone. */
+   "died" or "hung", "code", "text", "emitted", "unfit": [how it differs from the drone of a file], "log"}. `drone` may
+   be a file of hivectl rerun --save: a path with a slash, or NAME.failure. `number` 0: the newest. Options: {"kind",
+   "program": of another build, "parameters": in addition to those of the drone, "under": ["valgrind"], "limit_ms":
+   default 30000, "on": the ssh host of the machine that keeps the failure}. For the main thread: when it exits, so does
+   the new drone. */
 HIVE_API hive_code hive_application_rerun(hive_application* application, const char* drone, int64_t number,
                                           const char* options, char** json, size_t* length);
 HIVE_API hive_code hive_application_halt(hive_application* application, const char* drone);

@@ -1,11 +1,11 @@
 // The input at which a drone failed is kept, shown, saved, and fed to a fresh drone.
+#include "own_temp.hpp"
 #include "swarm.hpp"
 
 #include <hive/application.hpp>
 #include <hive/rerun.hpp>
 
 #include <csignal>
-#include <cstdlib>
 #include <doctest/doctest.h>
 #include <fstream>
 #include <set>
@@ -16,47 +16,16 @@ namespace {
 using namespace hive;
 using namespace std::chrono_literals;
 using hive::test::eventually;
+using hive::test::failures;
 using hive::test::has;
+using hive::test::OwnTemp;
 using hive::test::Swarm;
-
-/// Once there is one.
-std::vector<KeptFailure> failures(Application& application, const std::string& drone)
-{
-    std::vector<KeptFailure> found;
-    REQUIRE(eventually([&] { return !(found = application.failures(drone, true)).empty(); }));
-    return found;
-}
 
 void connect(Application& application, const std::string& receiver, const std::string& input = "image",
              const ConnectionOptions& options = {})
 {
     application.connect({"source", "tick"}, {receiver, input}, options);
 }
-
-/// The folder for homes of fresh drones, for the programs that a test starts.
-class OwnTemp {
-public:
-    explicit OwnTemp(const Swarm& swarm) : path_(swarm.home() / "tmp")
-    {
-        std::filesystem::create_directory(path_);
-        ::setenv("TMPDIR", path_.c_str(), 1);
-    }
-    ~OwnTemp() { ::unsetenv("TMPDIR"); }
-    OwnTemp(const OwnTemp&) = delete;
-    OwnTemp& operator=(const OwnTemp&) = delete;
-    [[nodiscard]] bool empty() const { return std::filesystem::is_empty(path_); }
-    /// Of the only fresh drone, once it has a socket of this name.
-    [[nodiscard]] std::filesystem::path home(const std::string& socket) const
-    {
-        for (const auto& entry : std::filesystem::directory_iterator(path_))
-            if (std::filesystem::exists(entry.path() / socket))
-                return entry.path();
-        return {};
-    }
-
-private:
-    std::filesystem::path path_;
-};
 
 /// The first one with at least this number. For a stream the exact event of the crash is unknown.
 const hive::Event& input_from(const hive::KeptFailure& failure, std::int64_t sequence)
@@ -163,7 +132,8 @@ TEST_CASE("failures: they are saved as files that others open, and none is writt
     failures(application, "thrower");
     const auto out = swarm.home() / "out";
     CHECK(swarm.hivectl_done({"exceptions", "thrower", "--save", out.string()})
-          == (out / "thrower-1.image.jpg").string() + "\n" + (out / "thrower-1.image.json").string() + "\n");
+          == (out / "thrower-1.image.jpg").string() + "\n" + (out / "thrower-1.image.json").string() + "\n"
+                 + (out / "thrower-1.failure").string() + "\n");
     std::ifstream picture(out / "thrower-1.image.jpg", std::ios::binary);
     CHECK(std::string(std::istreambuf_iterator<char>(picture), {}) == body);
     std::ifstream about(out / "thrower-1.image.json");
@@ -274,45 +244,4 @@ TEST_CASE("failures: of inputs that belong together the whole set is kept, wheth
         CHECK(again.out.starts_with(std::string(how) == "throw" ? "victim threw: failed: broken, as told"
                                                                 : "victim died: SIGSEGV in breaker::"));
     }
-}
-
-TEST_CASE("rerun: another build, words before the drone, a kind that is said, and nothing that is kept")
-{
-    const Swarm swarm;
-    auto application = swarm.application();
-    auto victim = swarm.drone("breaker", "victim", {"how=throw", "from=1"});
-    application.put({"victim", "image"}, Json::object(), Body(std::string("x")), "text/plain");
-    failures(application, "victim");
-    const auto program = swarm.program("hive-sleeper").string();
-    CHECK(swarm.hivectl_done({"rerun", "victim", "how=none", "--under", "/usr/bin/env"}, 30s)
-              .ends_with("victim did not fail: emitted 1 event\n"));
-    application.stop("victim");  // and its saved state is discarded
-    CHECK(swarm.hivectl({"rerun", "victim"}).exit_code == 3);
-    CHECK(swarm.hivectl_done({"rerun", "victim", "--kind", "sleeper"}, 30s)
-          == "victim did not fail: emitted 1 event\n");
-    CHECK(swarm.hivectl_done({"rerun", "victim", "--kind", "breaker", "--program", program}, 30s)
-          == "victim did not fail: emitted 1 event\n");
-    const auto wrong = swarm.hivectl({"rerun", "victim", "--kind", "breaker", "matched=true"}, 30s);
-    CHECK(wrong.exit_code == 3);
-    CHECK(has(wrong.err, "no input image"));
-    CHECK(swarm.hivectl({"rerun", "nobody"}).exit_code == 3);
-}
-
-TEST_CASE("rerun: Ctrl-C ends the fresh drone and removes its home")
-{
-    const Swarm swarm;
-    auto application = swarm.application();
-    auto victim = swarm.drone("breaker", "victim", {"how=throw", "from=1"});
-    application.put({"victim", "image"}, Json::object(), Body(std::string("x")), "text/plain");
-    failures(application, "victim");
-    const OwnTemp temp(swarm);
-    auto rerun = swarm.hivectl_running({"rerun", "victim", "how=hang"}, "rerun");
-    REQUIRE(eventually([&] { return !temp.home("victim.sock").empty(); }));
-    std::int64_t pid = 0;
-    std::ifstream(temp.home("victim.sock") / "victim.lock") >> pid;
-    REQUIRE(pid > 0);
-    ::kill(rerun.pid(), SIGINT);
-    CHECK(rerun.wait(test::patient(10s)).value_or(-1) == 130);
-    CHECK(temp.empty());
-    CHECK(eventually([&] { return ::kill(static_cast<pid_t>(pid), 0) != 0; }));
 }

@@ -1,6 +1,7 @@
 // Runs hivectl on another machine over ssh, with the user's ssh configuration.
 #pragma once
 
+#include <hive/error.hpp>
 #include <hive/process.hpp>
 
 #include <chrono>
@@ -35,6 +36,8 @@ public:
     [[nodiscard]] std::vector<std::string> command(const std::vector<std::string>& words) const;
     /// Throws as hivectl() does.
     void require_there(const CommandResult& result) const;
+    /// Why the hivectl there failed, as it printed it with --json, or else its last line; after the machine's name.
+    [[nodiscard]] Error error_of(const CommandResult& result) const;
     /// Where a drone there is reachable from here: the first of its places on the network; if that listens at all
     /// addresses, at `address`, the machine's own. Throws Errc::failed if there is none.
     [[nodiscard]] std::string met_at(const std::vector<std::string>& places, const std::string& address) const;

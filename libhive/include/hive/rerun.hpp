@@ -11,6 +11,30 @@
 
 namespace hive {
 
+/// Which kept failure, and where it is looked for.
+struct FailureQuery {
+    std::string drone{};      ///< or a file that failure_file() filled: a path with a slash, or NAME.failure
+    std::int64_t number = 0;  ///< 0: the newest
+    /// The ssh host of the machine that keeps it. Empty: this one, or else that on which the drone was started over
+    /// ssh.
+    std::string on{};
+    std::chrono::milliseconds limit{42'000};  ///< for ssh
+    std::function<bool()> cancelled{};        ///< polled while it waits for ssh; true: Errc::stopped
+};
+
+/// The failure with bodies. That of a file has the kind, version and parameters of its drone, if they were known there;
+/// a Python file that it names is ignored.
+/// @throws Error  not_found: none is kept; malformed, too_large, version_mismatch, io: the file is not one;
+/// unreachable,
+///                timeout: as Remote::hivectl; stopped: cancelled
+KeptFailure find_failure(Application& application, const FailureQuery& query);
+/// Does this word name a file, and not a drone?
+bool is_failure_file(const std::string& word);
+/// The content of a file that is enough to rerun a failure anywhere: with the kind, version and parameters that its
+/// drone has, or had before it crashed.
+/// @throws Error  too_large: its parameters
+std::string failure_file(Application& application, KeptFailure failure);
+
 struct RerunOptions {
     std::string kind{};         ///< KIND or FILE.py; empty: that of the failed drone
     std::string program{};      ///< of another build; empty: that of the kind
@@ -34,7 +58,10 @@ struct Rerun {
     std::string code{};        ///< threw: the token of the error
     std::string text{};        ///< of the error; died: "SIGSEGV in Haar::detect (cascade.cpp:41)"
     std::int64_t emitted = 0;  ///< events; unknown (0) when it died
-    std::string log{};         ///< the last lines of its log; empty with `under`
+    /// How the fresh drone differs from that of a file: another version, parameters that it refuses or that affect this
+    /// machine. Sentences.
+    std::vector<std::string> unfit{};
+    std::string log{};  ///< the last lines of its log; empty with `under`
 };
 
 /// The tokens "passed", "threw", "died" and "hung".
@@ -44,7 +71,7 @@ std::string_view token(Rerun::Outcome outcome);
 /// sends it the inputs in their order, with their identities; and always stops it. For the main thread: the drone is
 /// also stopped when the thread that started it exits.
 ///
-/// @param failure  with bodies, as Application::failures() gives it
+/// @param failure  with bodies, as find_failure() gives it
 /// @throws Error  not_found: the drone is unknown (pass `kind`), or there is no such program; as start() if the fresh
 ///                drone does not get ready; type_mismatch, not_found: it has no such input; stopped: cancelled
 Rerun rerun(Application& application, const KeptFailure& failure, const RerunOptions& options = {});
@@ -52,7 +79,7 @@ Rerun rerun(Application& application, const KeptFailure& failure, const RerunOpt
 /// {"drone", "number", "time_us", "code", "text", "inputs": [{"input", "sender", "type", "size", "source", "epoch",
 /// "seq", "header"}]}; "sender" is "camera.image".
 Json to_json(const KeptFailure& failure);
-/// {"outcome", "code", "text", "emitted", "log"}
+/// {"outcome", "code", "text", "emitted", "unfit", "log"}
 Json to_json(const Rerun& rerun);
 
 }  // namespace hive

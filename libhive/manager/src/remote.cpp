@@ -1,7 +1,9 @@
 // Writes the command lines for ssh, and interprets its failures.
+#include "engines/engine.hpp"
 #include "last_line.hpp"
 
 #include <hive/error.hpp>
+#include <hive/failure.hpp>
 #include <hive/json.hpp>
 #include <hive/name.hpp>
 #include <hive/remote.hpp>
@@ -96,6 +98,12 @@ void Remote::require_there(const CommandResult& result) const
                     "there is no hivectl on " + ssh_
                         + ", or not in the PATH of a command over ssh: " + last_line(result.err),
                     "install Hive there; see what ssh finds: ssh " + ssh_ + " 'command -v hivectl; echo $PATH'");
+}
+
+Error Remote::error_of(const CommandResult& result) const
+{
+    const auto error = failure_in(result.err).value_or(Error(errc_of_exit(result.exit_code), last_line(result.err)));
+    return error.reworded(host() + ": " + error.what());
 }
 
 std::string Remote::met_at(const std::vector<std::string>& places, const std::string& address) const

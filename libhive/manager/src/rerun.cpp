@@ -2,6 +2,8 @@
 #include "background_process.hpp"
 #include "engines/engine.hpp"
 #include "inquiry.hpp"
+#include "known_program.hpp"
+#include "own_directory.hpp"
 
 #include <hive/event/home.hpp>
 #include <hive/program.hpp>
@@ -9,7 +11,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cstdlib>
 #include <fcntl.h>
 
 namespace hive {
@@ -21,51 +22,21 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t lines_of_log = 15;
 
-/// A temporary directory, removed with its content.
-class OwnHome {
-public:
-    OwnHome()
-    {
-        auto pattern = (fs::temp_directory_path() / "hive-rerun-XXXXXX").string();
-        require_done(::mkdtemp(pattern.data()) ? 0 : errno, "make a directory for the fresh drone");
-        directory_ = pattern;
-    }
-    ~OwnHome()
-    {
-        std::error_code ignored;
-        fs::remove_all(directory_, ignored);
-    }
-    OwnHome(const OwnHome&) = delete;
-    OwnHome& operator=(const OwnHome&) = delete;
-    [[nodiscard]] const fs::path& directory() const { return directory_; }
-
-private:
-    fs::path directory_;
-};
-
 /// The options of the drone, from its status or its saved state.
-DroneOrder order_of(Application& application, const std::string& drone, const RerunOptions& options)
+DroneOrder order_of(Application& application, const KeptFailure& failure, const RerunOptions& options)
 {
+    const auto& drone = failure.drone;
     DroneOrder order{.name = drone, .kind = options.kind};
-    const auto running = application.drones();
-    if (std::ranges::binary_search(running, drone))
-        if (const auto answer = application.status(std::vector{drone}).at(0); !answer.error) {
-            if (order.kind.empty())
-                order.kind = answer.status.order && !answer.status.order->kind.empty() ? answer.status.order->kind
-                                                                                       : answer.status.kind;
-            if (answer.place.host != Place::here)
-                order.set = application.asked({drone}).at(0).result;
-        }
-    if (const auto state = event::Home(application.home()).read_state(drone)) {
-        const Fields fields(*state, "the state of " + drone);
-        if (order.kind.empty())
-            order.kind = fields.text("kind");
-        const bool same = options.kind.empty() || is_python_file(options.kind) || options.kind == fields.text("kind");
-        if (same && order.set.empty() && fields.has("parameters"))
-            order.set = fields.object("parameters");
-    }
     if (order.kind.empty())
-        order.kind = kind_by_name(drone).value_or("");
+        order.kind = failure.kind;
+    if (failure.kind.empty()) {
+        auto known = known_program(application, drone);
+        const bool same = options.kind.empty() || is_python_file(options.kind) || options.kind == known.kind;
+        if (order.kind.empty())
+            order.kind = known.kind;
+        if (same)
+            order.set = std::move(known.parameters);
+    }
     if (order.kind.empty())
         throw Error(Errc::not_found, "nothing is known of the program of " + drone + ", which does not run",
                     "say what it was: --kind KIND");
@@ -76,13 +47,14 @@ DroneOrder order_of(Application& application, const std::string& drone, const Re
 
 class FreshDrone {
 public:
-    FreshDrone(Application& application, const std::string& drone, const RerunOptions& options)
+    FreshDrone(Application& application, const KeptFailure& failure, const RerunOptions& options)
         : options_(options),
-          order_(order_of(application, drone, options)),
+          failure_(failure),
+          order_(order_of(application, failure, options)),
           application_({.name = {},
-                        .home = home_.directory(),
+                        .home = home_.path(),
                         .timeout = 5s,
-                        .key = home_.directory() / "no-key",
+                        .key = home_.path() / "no-key",
                         .cancelled = options.cancelled}),
           process_(started()),
           end_(Clock::now() + options.limit)
@@ -92,24 +64,25 @@ public:
     FreshDrone(const FreshDrone&) = delete;
     FreshDrone& operator=(const FreshDrone&) = delete;
 
-    Rerun run(const std::vector<Event>& inputs);
+    Rerun run();
 
 private:
     Child started() const;
     void until_ready();
-    void give(const std::vector<Event>& inputs);
-    std::optional<Status> given(const std::vector<Event>& inputs);
-    std::optional<Status> until_finished(std::size_t inputs);
+    void set_from_file(Rerun& result);
+    std::optional<Status> given();
+    std::optional<Status> until_finished();
     [[nodiscard]] std::unique_ptr<Collector> receive();
     [[nodiscard]] bool in_time() const { return !options_.under.empty() || Clock::now() < end_; }
     void pause();
-    [[nodiscard]] fs::path log() const { return event::Home(home_.directory()).path(order_.name, ".log"); }
+    [[nodiscard]] fs::path log() const { return event::Home(home_.path()).path(order_.name, ".log"); }
     [[nodiscard]] std::string death(int status);
     void leave_debugger(bool finished);
 
     const RerunOptions& options_;
+    const KeptFailure& failure_;
     DroneOrder order_;
-    OwnHome home_;
+    OwnDirectory home_;
     Application application_;
     Child process_;
     Clock::time_point end_;
@@ -125,7 +98,7 @@ Child FreshDrone::started() const
     words.push_back(command.program.string());
     std::ranges::move(command.arguments, std::back_inserter(words));
     std::ranges::move(arguments_of(order_), std::back_inserter(words));
-    command.environment.push_back("HIVE_HOME=" + home_.directory().string());
+    command.environment.push_back("HIVE_HOME=" + home_.path().string());
     const bool attached = !options_.under.empty();
     const transport::Descriptor out(attached ? -1
                                              : ::open(log().c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0600));
@@ -149,7 +122,7 @@ void FreshDrone::pause()
 
 void FreshDrone::until_ready()
 {
-    const event::Home home(home_.directory());
+    const event::Home home(home_.path());
     for (; in_time(); pause()) {
         if (const auto status = process_.ended())
             throw not_ready(order_.name, *status, last_lines(log(), lines_of_log));
@@ -173,14 +146,38 @@ std::unique_ptr<Collector> FreshDrone::receive()
     return outputs.empty() ? nullptr : application_.collect(outputs);
 }
 
-void FreshDrone::give(const std::vector<Event>& inputs)
+/// Sets what the file says, except what could harm this machine: the file may come from anyone.
+void FreshDrone::set_from_file(Rerun& result)
 {
-    for (const auto& event : inputs)
-        application_.put({order_.name, event.input}, event);
+    const auto interface = application_.describe(order_.name);
+    if (failure_.version != interface.version)
+        result.unfit.push_back("the file is of version " + failure_.version + ", and the drone of version "
+                               + interface.version);
+    Json values = Json::object();
+    for (const auto& [name, value] : failure_.parameters.items()) {
+        const auto* const parameter = interface.parameter(name);
+        if (options_.set.contains(name) || (parameter && value == parameter->default_value))
+            continue;
+        if (!parameter)
+            result.unfit.push_back("this " + interface.kind + " has no parameter " + name);
+        else if (parameter->for_operator)
+            result.unfit.push_back(name + " affects the machine, so it is not taken from the file; give it: " + name
+                                   + "=VALUE");
+        else
+            values[name] = value;
+    }
+    for (const auto& [name, value] : values.items())
+        try {
+            application_.set(order_.name, Json{{name, value}});
+        } catch (const Error& error) {
+            if (error.code() != Errc::refused)
+                throw;
+            result.unfit.push_back(error.what());
+        }
 }
 
 /// Empty: it exited or timed out.
-std::optional<Status> FreshDrone::until_finished(std::size_t inputs)
+std::optional<Status> FreshDrone::until_finished()
 {
     for (; in_time() && !process_.ended(); pause()) {
         const auto answer = application_.status(std::vector{order_.name}).at(0);
@@ -188,7 +185,8 @@ std::optional<Status> FreshDrone::until_finished(std::size_t inputs)
         for (const auto& input : answer.status.left)
             finished += input.processed + input.abandoned + input.duplicates + input.discarded + input.dropped
                         + input.unmatched;
-        if (!answer.error && finished >= static_cast<std::int64_t>(inputs) && answer.status.state != State::busy)
+        if (!answer.error && finished >= static_cast<std::int64_t>(failure_.inputs.size())
+            && answer.status.state != State::busy)
             return answer.status;
     }
     return std::nullopt;
@@ -216,11 +214,12 @@ void FreshDrone::leave_debugger(bool finished)
 }
 
 /// @return  its status once it has finished; empty: it died or hangs
-std::optional<Status> FreshDrone::given(const std::vector<Event>& inputs)
+std::optional<Status> FreshDrone::given()
 try {
     const auto collector = receive();
-    give(inputs);
-    return until_finished(inputs.size());
+    for (const auto& event : failure_.inputs)
+        application_.put({order_.name, event.input}, event);
+    return until_finished();
 } catch (const Error& error) {
     // It may have died before it answered, or be paused in a debugger.
     const auto code = error.code();
@@ -230,12 +229,14 @@ try {
     return std::nullopt;
 }
 
-Rerun FreshDrone::run(const std::vector<Event>& inputs)
+Rerun FreshDrone::run()
 {
     until_ready();
     Rerun result;
     end_ = Clock::now() + options_.limit;
-    const auto status = given(inputs);
+    if (!failure_.kind.empty())
+        set_from_file(result);
+    const auto status = given();
     if (!options_.under.empty())
         leave_debugger(status.has_value());
     if (status) {
@@ -288,16 +289,13 @@ Json to_json(const KeptFailure& failure)
 
 Json to_json(const Rerun& rerun)
 {
-    return {{"outcome", token(rerun.outcome)},
-            {"code", rerun.code},
-            {"text", rerun.text},
-            {"emitted", rerun.emitted},
-            {"log", rerun.log}};
+    return {{"outcome", token(rerun.outcome)}, {"code", rerun.code},   {"text", rerun.text},
+            {"emitted", rerun.emitted},        {"unfit", rerun.unfit}, {"log", rerun.log}};
 }
 
 Rerun rerun(Application& application, const KeptFailure& failure, const RerunOptions& options)
 {
-    return FreshDrone(application, failure.drone, options).run(failure.inputs);
+    return FreshDrone(application, failure, options).run();
 }
 
 }  // namespace hive

@@ -279,7 +279,12 @@ TEST_CASE("c: a drone is started and stopped, one that does not start says why, 
     CHECK(text.json().at("connections").at(0).at("to") == "worker.image");
     REQUIRE(hive_application_failures(lab.application, "worker", text.place(), nullptr) == HIVE_OK);
     CHECK(text.json() == Json::array());
-    CHECK(hive_application_rerun(lab.application, "worker", 0, nullptr, text.place(), nullptr) == HIVE_NOT_FOUND);
+    const auto rerun = [&](const char* drone, const char* options) {
+        return hive_application_rerun(lab.application, drone, 0, options, text.place(), nullptr);
+    };
+    CHECK(rerun("worker", nullptr) == HIVE_NOT_FOUND);
+    CHECK(rerun("./missing.failure", nullptr) == HIVE_IO);
+    CHECK(rerun("worker", R"({"on": "-oProxyCommand=x"})") == HIVE_INVALID_ARGUMENT);
     for (const char* drone : {"source", "worker"})
         CHECK(hive_application_stop(lab.application, drone) == HIVE_OK);
     CHECK(eventually([&] { return hive_application_stop(lab.application, "source") != HIVE_OK && lab.is_empty(); }));

@@ -133,7 +133,16 @@ class Applications(World):
         passed = self.swarm.rerun("worker", 1, throw_every=0, timeout=PATIENCE)
         self.assertEqual((passed["outcome"], passed["emitted"]), ("passed", 1))
         self.refused("not_found", self.swarm.rerun, "worker", 2)
-        self.assertEqual(self.swarm.drones(), ["worker"])
+        file = os.path.join(self.home, "saved.failure")
+        hivectl = os.path.join(PROGRAMS, "hivectl")
+        subprocess.run([hivectl, "rerun", "worker", "--save", file], check=True, capture_output=True,
+                       env={**os.environ, "HIVE_HOME": self.home})
+        self.swarm.stop("worker")
+        again = self.swarm.rerun(file, timeout=PATIENCE)
+        self.assertEqual((again["outcome"], again["text"], again["unfit"]), ("threw", failure["text"], []))
+        self.refused("io", self.swarm.rerun, "./missing.failure")
+        self.refused("invalid_argument", self.swarm.rerun, "worker", on="-oProxyCommand=x")
+        self.assertEqual(self.swarm.drones(), [])
 
     def test_shared_work_in_order_also_when_a_worker_dies(self):
         self.drone("ticker", "source", "pace=demand", "count=60")

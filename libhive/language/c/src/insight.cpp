@@ -10,8 +10,6 @@
 #include <hive/graph.hpp>
 #include <hive/rerun.hpp>
 
-#include <algorithm>
-
 using namespace hive;
 using namespace hive::c;
 
@@ -87,19 +85,19 @@ hive_code hive_application_rerun(hive_application* application, const char* dron
     return guarded([&] {
         get<ApplicationObject>(application)->with([&](Application& open) {
             const auto name = text_of(drone, "the drone");
-            const Options given(options, {"kind", "program", "parameters", "under", "limit_ms"});
-            const auto failures = open.failures(name, true);
-            const auto found = number == 0 && !failures.empty()
-                                   ? failures.end() - 1
-                                   : std::ranges::find(failures, number, &KeptFailure::number);
-            if (found == failures.end())
-                throw Error(Errc::not_found, "no such failure of " + name + " is kept on this machine");
-            give_json(to_json(rerun(open, *found,
+            const Options given(options, {"kind", "program", "parameters", "under", "limit_ms", "on"});
+            const auto limit = patience_of(given.integer("limit_ms", 0, 30'000));
+            const auto failure = find_failure(open, {.drone = name,
+                                                     .number = number,
+                                                     .on = given.text("on"),
+                                                     .limit = limit + 12s,
+                                                     .cancelled = wait_is_cancelled});
+            give_json(to_json(rerun(open, failure,
                                     {.kind = given.text("kind"),
                                      .program = given.text("program"),
                                      .set = given.object("parameters"),
                                      .under = given.texts("under"),
-                                     .limit = patience_of(given.integer("limit_ms", 0, 30'000)),
+                                     .limit = limit,
                                      .cancelled = wait_is_cancelled})),
                       json, length);
         });

@@ -445,15 +445,19 @@ class Application(Finding):
         program: str = "",
         timeout: Seconds = 30.0,
         under: Sequence[str] = (),
+        on: str = "",
         **parameters: Any,
     ) -> dict[str, Any]:
         """Reruns the inputs of a failure in a new drone of the same kind, outside of the swarm: "outcome" is "passed",
-        "threw", "died" or "hung", "text" the details, "log" the end of its log.
+        "threw", "died" or "hung", "text" the details, "log" the end of its log, "unfit" how it differs from the drone
+        of a file.
 
+        :param drone: or a file of ``hivectl rerun --save``: a path with a slash, or NAME.failure
         :param number: of the failure, see :meth:`failures`; 0: the newest
         :param kind: a kind or a Python file; "": what the drone is or was
         :param program: of another build
         :param under: runs the drone under these words at this terminal, such as ``["gdb", "--args"]``
+        :param on: the ssh host of the machine that keeps the failure
         :param parameters: beside those that the drone was given
         """
         options = {
@@ -462,6 +466,7 @@ class Application(Finding):
             "parameters": parameters,
             "under": list(under),
             "limit_ms": milliseconds(timeout),
+            "on": on,
         }
         return ask_object(lib.hive_application_rerun, self._handle, encoded(drone), number, as_json(options))
 

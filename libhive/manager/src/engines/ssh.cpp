@@ -2,8 +2,6 @@
 #include "ssh_session.hpp"
 #include "ssh_silent.hpp"
 
-#include "../last_line.hpp"
-
 #include <hive/failure.hpp>
 #include <hive/remote.hpp>
 #include <hive/transport/key.hpp>
@@ -42,7 +40,6 @@ private:
     [[nodiscard]] bool may_start() const;
     void start_next(std::vector<Report>& reports);
     Report report_of(const std::string& drone, const CommandResult& result);
-    [[nodiscard]] Error error_of(const CommandResult& result) const;
     [[nodiscard]] std::optional<std::set<std::string>> keys_there() const;
     Place place_of(const std::string& drone, const Json& places);
     void await_starts(Clock::time_point until);
@@ -167,16 +164,9 @@ try {
     }
     if (result.exit_code < 128)  // else a signal ended ssh
         begun_.erase(drone);     // the hivectl there has stopped it
-    return {.drone = drone, .error = explained(error_of(result))};
+    return {.drone = drone, .error = explained(remote_.error_of(result))};
 } catch (const Error& error) {
     return {.drone = drone, .error = error};
-}
-
-/// The error of the hivectl there, or its last line.
-Error SshEngine::error_of(const CommandResult& result) const
-{
-    const auto error = failure_in(result.err).value_or(Error(errc_of_exit(result.exit_code), last_line(result.err)));
-    return error.reworded(remote_.host() + ": " + error.what());
 }
 
 /// The user's keys there, by id; nothing: unknown.
@@ -261,7 +251,7 @@ try {
     const auto result = remote_.hivectl(words, time_until(until));
     if (result.exit_code == 0 || (drones.size() == 1 && is_not_found(result)))
         return std::nullopt;
-    return error_of(result);
+    return remote_.error_of(result);
 } catch (const Error& error) {
     return error;
 }
