@@ -296,6 +296,8 @@ Json to_json(const Status& status)
     write_numbers(json, status, status_numbers);
     if (status.machine.processors > 0)
         write_numbers(json["machine"], status.machine, machine_numbers);
+    if (status.machine.memory_limited)
+        json["machine"]["memory_limited"] = true;
     write_text(json, "condition", status.condition);
     write_text(json, "callback", status.callback);
     write_why(json, status.why);
@@ -325,8 +327,11 @@ Status status_from_json(const Json& object)
     status.state = from_token<State>(fields.text("state"), "state");
     status.policy = from_token<ExceptionPolicy>(fields.text_or("policy", "skip"), "policy");
     read_numbers(fields, status, status_numbers);
-    if (fields.has("machine"))
-        read_numbers(Fields(fields.object("machine"), "machine"), status.machine, machine_numbers);
+    if (fields.has("machine")) {
+        const Fields machine(fields.object("machine"), "machine");
+        read_numbers(machine, status.machine, machine_numbers);
+        status.machine.memory_limited = machine.flag_or("memory_limited", false);
+    }
     status.condition = fields.text_or("condition", "");
     status.callback = fields.text_or("callback", "");
     status.why = read_why(fields);

@@ -1,4 +1,6 @@
 // Reads /proc.
+#include "control_group.hpp"
+
 #include <hive/platform/usage.hpp>
 
 #include <fstream>
@@ -47,6 +49,11 @@ MachineUsage machine_usage()
             usage.memory = kibibytes * 1024;
         else if (name == "MemAvailable:")
             usage.memory_available = kibibytes * 1024;
+    if (const auto group = group_memory(); group && group->available < usage.memory_available) {
+        usage.memory = group->limit;
+        usage.memory_available = group->available;
+        usage.memory_limited = true;
+    }
     return usage;
 }
 

@@ -45,7 +45,8 @@ Status StatusReport::now() const
     status.encoding_us = event::microseconds(module_.encoding());
     status.cpu_us = process.cpu_us;
     status.memory = process.memory;
-    status.machine = {machine.processors, machine.cpu_us, machine.memory, machine.memory_available};
+    status.machine = {machine.processors, machine.cpu_us, machine.memory, machine.memory_available,
+                      machine.memory_limited};
     status.inputs = inputs();
     status.left = module_.left();
     auto output = status.outputs.begin();

@@ -136,9 +136,11 @@ struct ExceptionStatus {
 /// Usage of the whole machine.
 struct MachineStatus {
     std::int64_t processors = 0;
-    std::int64_t cpu_us = 0;            ///< of all processors, since the machine started
-    std::int64_t memory = 0;            ///< bytes
-    std::int64_t memory_available = 0;  ///< bytes available to programs
+    std::int64_t cpu_us = 0;  ///< of all processors, since the machine started
+    /// Bytes, and those of them that are available to programs: of the machine, or of a control group of the drone (a
+    /// container, a slice) if that has fewer available.
+    std::int64_t memory = 0, memory_available = 0;
+    bool memory_limited = false;  ///< `memory` is the limit of a control group
 };
 
 struct Status {

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <stdexcept>
 #include <thread>
+#include <vector>
 
 #include <ctime>
 
@@ -37,8 +38,8 @@ void burn(std::chrono::nanoseconds time)
 void sleeper(hive::Drone& drone)
 {
     bool emits = true;
-    int start_ms = 0, work_ms = 0, burn_ms = 0, step_ms = 1, most_ms = 600'000, throw_at = 0, thrown_at = 0,
-        throw_every = 0;
+    int holds_mb = 0, start_ms = 0, work_ms = 0, burn_ms = 0, step_ms = 1, most_ms = 600'000,
+        throw_at = 0, thrown_at = 0, throw_every = 0;
     drone.parameter("start_ms", start_ms, hive::between(0, 600'000).in("ms"),
                     "how long it takes at the next start until it is ready");
     drone.parameter("work_ms", work_ms, hive::between(0, 600'000).in("ms"), "how long each event takes");
@@ -53,10 +54,13 @@ void sleeper(hive::Drone& drone)
     drone.parameter("throw_every", throw_every, hive::at_least(0),
                     "throws on each event whose sequence number it divides, at every attempt; 0: never");
     drone.parameter("emits", emits, {}, "gives a result for each event");
+    drone.parameter("holds_mb", holds_mb, hive::between(0, 10'000).in("MB"), "memory that it uses and does not need");
+    std::vector<char> held;
     const auto result = drone.output("result", "application/json",
                                      "in the header: seq and index of the input, its age when the work was done");
     drone.on_start([&] { std::this_thread::sleep_for(std::chrono::milliseconds(start_ms)); });
     drone.on_change([&] {
+        held = std::vector<char>(std::size_t(holds_mb) * 1'000'000, 'x');
         work_ms -= work_ms % step_ms;
         if (work_ms > most_ms)
             throw std::runtime_error("work_ms " + std::to_string(work_ms) + " is more than " + std::to_string(most_ms));

@@ -148,6 +148,20 @@ TEST_CASE("explain: what is slow for all drones of a machine is said once, with 
     CHECK(memory[0].what == Cause::What::memory);
     CHECK(memory[0].text == "gpu1 has 0.1 GB of its 8.0 GB of memory left");
     CHECK(memory[0].evidence == "camera uses 5.0 GB, face uses 0.0 GB");
+    CHECK(memory[0].command == "hivectl stop camera");
+    second.answers[0].status.memory = 3 * gigabyte;  // other programs use more
+    CHECK(explaining::machine_causes(first, second).at(0).command == "hivectl top");
+
+    second = first;  // a container of its own: the other drone has enough memory
+    second.answers[1].status.machine = {.processors = 2,
+                                        .cpu_us = 100 * second_us,
+                                        .memory = gigabyte,
+                                        .memory_available = gigabyte / 100,
+                                        .memory_limited = true};
+    const auto limited = explaining::machine_causes(first, second);
+    REQUIRE(limited.size() == 1);
+    CHECK(limited[0].drone == "face");
+    CHECK(limited[0].text == "the control group of face on gpu1 has 0.0 GB of its 1.0 GB of memory left");
 
     second = first;
     second.answers[0].place.host = Place::here;

@@ -146,7 +146,7 @@ TEST_CASE("status: the drone's own fields, its matching and its last exception c
     status.encoding_us = 4;
     status.cpu_us = 5;
     status.memory = 6;
-    status.machine = {.processors = 7, .cpu_us = 8, .memory = 9, .memory_available = 10};
+    status.machine = {.processors = 7, .cpu_us = 8, .memory = 9, .memory_available = 10, .memory_limited = true};
     status.why = Reason::halted;
     status.source_events = 300;
     status.matching.push_back({.inputs = {"image", "marks"},
@@ -174,6 +174,7 @@ TEST_CASE("status: the drone's own fields, its matching and its last exception c
     CHECK(back.memory == 6);
     CHECK(back.machine.processors == 7);
     CHECK(back.machine.memory_available == 10);
+    CHECK(back.machine.memory_limited);
     CHECK(back.matching.at(0).missing.at("marks") == 3);
     REQUIRE(back.last_exception);
     CHECK(back.last_exception->text == "no face");

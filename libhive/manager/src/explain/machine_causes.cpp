@@ -44,7 +44,9 @@ std::string machine_text(const std::string& host)
     return host.empty() || host == Place::here ? "this machine" : host;
 }
 
-std::vector<Machine> machines_of(const Look& first, const Look& second)
+/// @param same  do two statuses of one host share what is examined?
+template <class Same>
+std::vector<Machine> machines_of(const Look& first, const Look& second, const Same& same)
 {
     std::vector<Machine> machines;
     for (const auto& answer : second.answers) {
@@ -52,7 +54,9 @@ std::vector<Machine> machines_of(const Look& first, const Look& second)
         if (answer.error || !before || before->error || before->status.epoch != answer.status.epoch
             || answer.status.machine.processors == 0)
             continue;
-        auto machine = std::ranges::find(machines, answer.place.host, &Machine::host);
+        auto machine = std::ranges::find_if(machines, [&](const Machine& other) {
+            return other.host == answer.place.host && same(other.status, answer.status.machine);
+        });
         if (machine == machines.end())
             machine = machines.insert(machine, Machine{.host = answer.place.host, .status = answer.status.machine});
         const auto time = std::max<std::int64_t>(1, answer.status.uptime_us - before->status.uptime_us);
@@ -99,6 +103,13 @@ void add_processors(std::vector<Cause>& causes, const Machine& machine)
     busy.evidence += "other programs " + tenths(std::max(0.0, rest));
 }
 
+/// "this machine", or the group of the drone whose process the kernel kills at the limit.
+std::string owner_text(const Machine& machine, const std::string& drone)
+{
+    return machine.status.memory_limited ? "the control group of " + drone + " on " + machine_text(machine.host)
+                                         : machine_text(machine.host);
+}
+
 void add_memory(std::vector<Cause>& causes, const Machine& machine)
 {
     const auto all = static_cast<double>(machine.status.memory);
@@ -106,11 +117,14 @@ void add_memory(std::vector<Cause>& causes, const Machine& machine)
     if (all == 0 || available > short_of * all)
         return;
     const auto users = most(machine, &User::memory);
-    auto& short_one = causes.emplace_back(cause(What::memory, users.front(),
-                                                machine_text(machine.host) + " has " + gigabytes(available) + " of its "
-                                                    + gigabytes(all) + " of memory left"));
+    const auto& greatest = users.front();
+    auto& short_one = causes.emplace_back(cause(What::memory, greatest,
+                                                owner_text(machine, greatest.drone) + " has " + gigabytes(available)
+                                                    + " of its " + gigabytes(all) + " of memory left"));
     for (const auto& user : users)
         short_one.evidence += (short_one.evidence.empty() ? "" : ", ") + user.drone + " uses " + gigabytes(user.memory);
+    if (greatest.memory > (all - available) / 2)  // without it there is memory; otherwise other programs have it
+        short_one.command = "hivectl stop " + greatest.drone;
 }
 
 /// Receivers know by how much the clock of another machine differs from their own.
@@ -139,10 +153,14 @@ void add_clocks(std::vector<Cause>& causes, const Look& look)
 std::vector<Cause> machine_causes(const Look& first, const Look& second)
 {
     std::vector<Cause> causes;
-    for (const auto& machine : machines_of(first, second)) {
+    const auto same_processors = [](const MachineStatus&, const MachineStatus&) { return true; };
+    const auto same_memory = [](const MachineStatus& one, const MachineStatus& other) {
+        return one.memory_limited == other.memory_limited && one.memory == other.memory;
+    };
+    for (const auto& machine : machines_of(first, second, same_processors))
         add_processors(causes, machine);
+    for (const auto& machine : machines_of(first, second, same_memory))
         add_memory(causes, machine);
-    }
     add_clocks(causes, second);
     return causes;
 }

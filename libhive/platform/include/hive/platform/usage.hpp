@@ -12,9 +12,11 @@ struct ProcessUsage {
 
 struct MachineUsage {
     std::int64_t processors = 0;
-    std::int64_t cpu_us = 0;            ///< of all processors and processes, since the machine started
-    std::int64_t memory = 0;            ///< bytes
-    std::int64_t memory_available = 0;  ///< bytes available to programs without swapping
+    std::int64_t cpu_us = 0;  ///< of all processors and processes, since the machine started
+    /// Bytes, and those of them that are available to programs without swapping: of the machine, or of a control group
+    /// of this process if that has fewer available.
+    std::int64_t memory = 0, memory_available = 0;
+    bool memory_limited = false;  ///< `memory` is the limit of a control group
 };
 
 /// Values that the system does not provide are 0.
