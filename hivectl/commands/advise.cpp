@@ -65,9 +65,10 @@ std::string shown(const hive::AdvisedLine& line, hive::Goal goal, Form form)
     for (const auto& proposal : line.proposals)
         text += "\n" + paragraph(proposal);
     if (line.limits.empty())
-        text += line.per_s > 0 ? "\nno step is the bottleneck: a drone passes on fewer events than it gets\n"
-                               : "\nno events came while it was measured; see why: hivectl explain "
-                                     + printable(line.to.substr(0, line.to.find(','))) + "\n";
+        text += line.per_s > 0
+                    ? "\nno step is the bottleneck: the model does not explain the rate; measure for longer: --time\n"
+                    : "\nno events came while it was measured; see why: hivectl explain "
+                          + printable(line.to.substr(0, line.to.find(','))) + "\n";
     else if (line.proposals.empty())
         text += std::string("\nnothing to gain: no known change would make it ")
                 + (goal == hive::Goal::fps ? "faster" : "younger") + "\n";
@@ -116,8 +117,8 @@ Verb verb()
         .details =
             "Measures events on their way from a source to the named drone, and prints the mean time of each step: "
             "waiting at the sender until the receiver requests the newest event, encoding, travel, the queue of events "
-            "requested ahead, and the work of the drone's code. MAX/s is the maximum rate of a step; the lowest is the "
-            "bottleneck. Then prints changes that gain at least 5 % (--goal latency: 10 %), best first, each with a "
+            "requested ahead, and the work of the drone's code. MAX/s is the rate at the last drone that a step lets "
+            "through; the lowest is the bottleneck. Then prints changes that gain at least 5 % (--goal latency: 10 %), best first, each with a "
             "command, the predicted rate and age, and the confidence. Predictions use only measurements: another drone "
             "is proposed only if processors are free, an encoding only if it was tried (if raw images go to another "
             "machine, some are requested as JPEG).\n\n"

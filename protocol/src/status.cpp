@@ -150,6 +150,8 @@ Json output_to_json(const OutputStatus& output)
 {
     Json json{{"name", output.name}, {"type", output.type}, {"produced", 0}};
     write_numbers(json, output, output_numbers);
+    if (output.lossless)
+        json["lossless"] = true;
     write_list(json, "edges", output.edges, [](const EdgeStatus& edge) { return to_json(edge); });
     write_why(json, output.why);
     return json;
@@ -162,6 +164,7 @@ OutputStatus output_from_json(const Json& object)
     output.name = fields.name("name");
     output.type = fields.text_or("type", "");
     read_numbers(fields, output, output_numbers);
+    output.lossless = fields.flag_or("lossless", false);
     output.edges = read_list<EdgeStatus>(fields, "edges", edge_from_json);
     output.why = read_why(fields);
     return output;

@@ -245,6 +245,7 @@ void Outlet::offer(const EmissionPtr& event, bool hold)
 {
     ++produced_;
     last_emitted_us_ = wall_us();
+    lossless_ = event->lossless();
     Decisions decisions;
     table_.offer(event, hold, lease_now(), decisions);
     execute(decisions);
@@ -415,6 +416,7 @@ OutputStatus Outlet::status() const
             .produced = produced_,
             .unreceived = table_.unreceived(),
             .last_emitted_us = last_emitted_us_,
+            .lossless = lossless_,
             .edges = {},
             .why = table_.why()};
 }

@@ -30,7 +30,7 @@ struct Station {
     What what{};
     std::string at{};      ///< "camera", "face-1, face-2", "camera.image -> face.image", a machine
     double time_us = 0;    ///< of one event, on average
-    double max_per_s = 0;  ///< maximum events per second; 0: not a limit
+    double max_per_s = 0;  ///< maximum events per second that would reach the last drone; 0: not a limit
 };
 std::string_view token(Station::What what) noexcept;  // "source"
 
@@ -57,8 +57,8 @@ struct AdvisedLine {
     double per_s = 0;                 ///< events per second that the last drone processes
     double latency_us = 0;            ///< their age then; 0: not known
     std::vector<Station> stations{};  ///< in the order of the path
-    /// Limits of the rate, the lowest first: the first one is the bottleneck. Empty: no events arrive, or a drone emits
-    /// fewer events than it receives.
+    /// Limits of the rate, the lowest first: the first one is the bottleneck. Empty: no events arrive, or the model
+    /// does not explain their rate.
     std::vector<Station> limits{};
     std::vector<Proposal> proposals{};  ///< the best first; empty: nothing known here would help
 };

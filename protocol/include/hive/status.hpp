@@ -92,6 +92,7 @@ struct OutputStatus {
     std::int64_t produced = 0;
     std::int64_t unreceived = 0;  ///< of those: emitted without a receiver
     std::int64_t last_emitted_us = 0;
+    bool lossless = false;  ///< the newest event must reach each receiver: its source produces on demand
     std::vector<EdgeStatus> edges{};
     Reason why{};
 };

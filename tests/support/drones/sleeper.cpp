@@ -38,7 +38,7 @@ void burn(std::chrono::nanoseconds time)
 void sleeper(hive::Drone& drone)
 {
     bool emits = true;
-    int holds_mb = 0, start_ms = 0, work_ms = 0, burn_ms = 0, step_ms = 1, most_ms = 600'000,
+    int holds_mb = 0, emits_every = 1, start_ms = 0, work_ms = 0, burn_ms = 0, step_ms = 1, most_ms = 600'000,
         throw_at = 0, thrown_at = 0, throw_every = 0;
     drone.parameter("start_ms", start_ms, hive::between(0, 600'000).in("ms"),
                     "how long it takes at the next start until it is ready");
@@ -54,6 +54,8 @@ void sleeper(hive::Drone& drone)
     drone.parameter("throw_every", throw_every, hive::at_least(0),
                     "throws on each event whose sequence number it divides, at every attempt; 0: never");
     drone.parameter("emits", emits, {}, "gives a result for each event");
+    drone.parameter("emits_every", emits_every, hive::at_least(1),
+                    "gives results only for sequence numbers that it divides");
     drone.parameter("holds_mb", holds_mb, hive::between(0, 10'000).in("MB"), "memory that it uses and does not need");
     std::vector<char> held;
     const auto result = drone.output("result", "application/json",
@@ -79,7 +81,7 @@ void sleeper(hive::Drone& drone)
             if (event.body.size() == event.size && event.header.contains("sum") && !as_it_was_sent(event))
                 throw std::runtime_error("the bytes of event " + std::to_string(event.identity.sequence)
                                          + " have changed on the way");
-            if (!emits)
+            if (!emits || event.identity.sequence % emits_every != 0)
                 return;
             result.emit({{"seq", event.identity.sequence},
                          {"index", event.header.value("index", std::int64_t{0})},

@@ -130,6 +130,47 @@ TEST_CASE("advise: on a full connection a wider window gives little, and smaller
         CHECK(window->proposal.predicted_per_s <= 1e6 / 190'000 + 0.01);
 }
 
+TEST_CASE("advise: a filter divides the rate for what follows, and what comes before has to be as much faster")
+{
+    auto filtered = line(100, 50'000);  // 20 of 100
+    filtered.stages[1].pass = 0.25;
+    Stage last{.members = {"last"}, .hosts = {{"local", 1}}, .host = "local", .per_s = 5, .work_us = 10'000};
+    last.from = "face.faces";
+    last.to = "last.faces";
+    filtered.stages.push_back(last);
+    fit(filtered);
+    const auto all = limits(filtered);
+    CHECK(all[0].what == Station::What::work);
+    CHECK(all[0].at == "face");
+    CHECK(all[0].max_per_s == doctest::Approx(5));
+    CHECK(all[1].what == Station::What::source);
+    CHECK(all[1].max_per_s == doctest::Approx(25));
+    CHECK(all[2].max_per_s == doctest::Approx(100));
+    CHECK(explains_rate(filtered));
+    const auto found = candidates(filtered, Goal::fps);
+    const auto* worker = proposed(found, Proposal::What::worker);
+    REQUIRE(worker);
+    CHECK(worker->change.stage == 1);
+    CHECK(worker->proposal.predicted_per_s == doctest::Approx(10));
+    CHECK(worker->proposal.sure == Proposal::Sure::medium);
+}
+
+TEST_CASE("advise: a drone with a second sender has its part of the time for this one")
+{
+    auto shared = line(100, 50'000);
+    shared.stages[1].per_s = 10;  // and as many from the other sender
+    shared.stages[1].share = 0.5;
+    fit(shared);
+    CHECK(shared.stages[1].transit_us == doctest::Approx(0));
+    CHECK(limits(shared).front().what == Station::What::work);
+    CHECK(limits(shared).front().max_per_s == doctest::Approx(10));
+    const auto found = candidates(shared, Goal::fps);
+    const auto* worker = proposed(found, Proposal::What::worker);
+    REQUIRE(worker);
+    CHECK(worker->proposal.predicted_per_s == doctest::Approx(20));
+    CHECK(worker->proposal.sure == Proposal::Sure::medium);
+}
+
 TEST_CASE("advise: what waits in a queue is younger with a window of 1, or with a source that is not too fast")
 {
     auto queued = line(100, 20'000);

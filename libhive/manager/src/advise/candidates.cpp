@@ -39,7 +39,8 @@ std::vector<Change> changes_of(const Line& line, std::size_t i)
         changes.push_back({.what = What::worker, .stage = i});
     const bool streaming = stage.options.transfer == Transfer::streaming;
     if (!streaming)
-        if (const int window = window_for(stage, rate_without_window(line, i)); window > stage.options.window)
+        if (const int window = window_for(stage, rate_without_window(line, i) / through(line, i));
+            window > stage.options.window)
             changes.push_back({.what = What::window, .stage = i, .window = window});
     if (streaming)
         changes.push_back({.what = What::transfer, .stage = i});
@@ -62,7 +63,7 @@ std::vector<Change> changes_of(const Line& line)
         !line.on_demand && !line.rate_parameter.empty() && all.size() > 1 && all[0].what != Station::What::source) {
         constexpr double below = 0.9;  // so that bursts do not wait either
         // Divided, so that 9.6 is not 9.600000000000001.
-        if (const double steps = std::floor(below * rate(line) / line.rate_step + 1e-9); steps > 0)
+        if (const double steps = std::floor(below * rate(line) / through(line, 0) / line.rate_step + 1e-9); steps > 0)
             changes.push_back({.what = What::source_rate, .fps = steps / (1 / line.rate_step)});
     }
     for (const auto& [host, machine] : line.machines) {
@@ -115,6 +116,11 @@ Doubt doubt_of(const Line& line, const Change& change)
         return {Sure::medium, "how much more the connection carries is inferred"};
     if (change.what == What::encoding && change.encoding == "raw")
         return {Sure::medium, "how long the receiver decodes is not measured"};
+    if (std::ranges::any_of(line.stages, [](const Stage& each) { return each.pass != 1; }))
+        return {Sure::medium,
+                "a drone on the way sends fewer or more events than it gets, depending on what they show"};
+    if (std::ranges::any_of(line.stages, [](const Stage& each) { return each.share < 1; }))
+        return {Sure::medium, "a drone on the way has other senders as well, whose part is inferred"};
     return {Sure::high, ""};
 }
 

@@ -18,10 +18,12 @@ struct Stage {
     std::map<std::string, int> hosts{};  ///< members, by machine
     std::string host{};                  ///< of the first member, where a further one would be started
     double per_s = 0;                    ///< of all members: processed; of a source: emitted
-    double work_us = 0, cpu_us = 0;      ///< of one event: in the code of a member; processor time of its process
-    double queue_us = 0;                 ///< that an event waits at the receiver
-    std::optional<double> age_us{};      ///< from the capture of an event until it is emitted
-    bool can_share = false;              ///< another member can be started
+    double pass = 1;   ///< events that it sends to the next stage for each that it processes: of a filter, less than 1
+    double share = 1;  ///< the part of all events that it processes which comes from the stage before
+    double work_us = 0, cpu_us = 0;  ///< of one event: in the code of a member; processor time of its process
+    double queue_us = 0;             ///< that an event waits at the receiver
+    std::optional<double> age_us{};  ///< from the capture of an event until it is emitted
+    bool can_share = false;          ///< another member can be started
     // The connection from which it receives; unset for a source.
     std::string from{}, to{};  ///< "camera.image", "face.image" of the first member
     ConnectionOptions options{};
@@ -64,11 +66,13 @@ struct Line {
 /// Infers from rates and ages how long events travel, which stage is saturated (on demand), and how many processors
 /// others use.
 void fit(Line& line);
-/// The limits of the rate, the lowest first.
+/// Events that reach the last stage for each that stage i processes; of the source, for each that it emits.
+double through(const Line& line, std::size_t i);
+/// The limits of the rate, the lowest first, as events per second that the last stage processes.
 std::vector<Station> limits(const Line& line);
 /// Events per second that the last stage processes, by the model.
 double rate(const Line& line);
-/// Does the model explain the rate? Not if no events arrive, or a drone emits fewer events than it receives.
+/// Does the model explain the rate? Not if no events arrive.
 bool explains_rate(const Line& line);
 /// Age of an event when the last stage has processed it, by the model; only its differences between changes are exact.
 double latency(const Line& line);

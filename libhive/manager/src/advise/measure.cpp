@@ -134,17 +134,27 @@ const Seen* seen_of(const AllSeen& all, const Status& status, const std::string&
     return found != all.end() && found->second.enough() ? &found->second : nullptr;
 }
 
-/// Sums over the members, of which `fill` makes means.
-void add_member(Stage& stage, const Status& before, const Status& now, const Step& step, const Seen* seen,
-                const std::string& port)
+/// Were the connections of a step the same at both statuses? Otherwise their counters start again in between.
+void require_same(const std::string& drone, const Step& step, const std::vector<const InputStatus*>& before,
+                  const std::vector<const InputStatus*>& now)
+{
+    const bool same = std::ranges::equal(before, now, [](const InputStatus* one, const InputStatus* other) {
+        return one->from == other->from && one->registration == other->registration;
+    });
+    if (!same || (now.empty() && !step.from.empty()))
+        throw Error(Errc::connection_lost, drone + " was connected again meanwhile", "try again");
+}
+
+/// Sums over the members, of which `stage_of` makes means.
+void add_member(Stage& stage, double& processed_here, const Status& before, const Status& now, const Step& step,
+                const Seen* seen, const std::string& port)
 {
     const double time = us_between(before, now);
     const auto rows = inputs_of(now, step);
     const auto* row = rows.empty() ? nullptr : rows.front();
+    require_same(now.name, step, inputs_of(before, step), rows);
     const auto done = static_cast<double>(row ? processed(rows) - processed(inputs_of(before, step))
                                               : emitted(now, port) - emitted(before, port));
-    if (done < 0)
-        throw Error(Errc::connection_lost, now.name + " was connected again meanwhile", "try again");
     const auto all = row ? static_cast<double>(processed(now) - processed(before)) : done;
     double work = ratio(static_cast<double>(now.busy_us - before.busy_us), all);
     constexpr double alike = 0.1;  // counters cut off parts of the first and last event, headers do not
@@ -155,6 +165,9 @@ void add_member(Stage& stage, const Status& before, const Status& now, const Ste
     const double counted = done * second_us / time;
     const bool one_each = seen && std::abs(seen->per_s() / std::max(counted, 1e-9) - 1) < alike;
     stage.per_s += one_each ? seen->per_s() : counted;
+    stage.pass += static_cast<double>(emitted(now, port) - emitted(before, port));
+    stage.share += all;
+    processed_here += done;
     stage.work_us += work;
     stage.cpu_us += ratio(static_cast<double>(now.cpu_us - before.cpu_us), all);
     if (!row)
@@ -188,11 +201,18 @@ void add_sender(Stage& stage, const Status& before, const Status& now, const Ste
         stage.encode_us = ratio(static_cast<double>(now.encoding_us - before.encoding_us), encoded);
 }
 
+/// Their ratio. Counters are read while an event is in progress, and two statuses not at one instant.
+double part(double one, double other)
+{
+    constexpr double cut_off = 2, alike = 0.02;
+    return other <= 0 || std::abs(one - other) <= cut_off + alike * other ? 1 : one / other;
+}
+
 Stage stage_of(const Looks& looks, const AllSeen& all, const std::vector<Step>& way, std::size_t i)
 {
     const auto& step = way[i];
-    Stage stage{.members = step.members, .from = step.from};
-    double ages = 0, aged = 0;
+    Stage stage{.members = step.members, .pass = 0, .share = 0, .from = step.from};
+    double ages = 0, aged = 0, done = 0;
     bool work_follows = false;  // the known age is that at arrival
     for (const auto& member : step.members) {
         const auto* found = looks.after.find(member);
@@ -205,7 +225,7 @@ Stage stage_of(const Looks& looks, const AllSeen& all, const std::vector<Step>& 
             stage.host = answer.place.host;
         const auto port = output_of(way, i, answer.status);
         const auto* seen = seen_of(all, answer.status, port);
-        add_member(stage, before->status, answer.status, step, seen, port);
+        add_member(stage, done, before->status, answer.status, step, seen, port);
         if (seen) {
             ages += seen->age_us;
             aged += seen->events;
@@ -218,6 +238,9 @@ Stage stage_of(const Looks& looks, const AllSeen& all, const std::vector<Step>& 
     }
     if (aged > 0)
         stage.age_us = ages / aged + (work_follows ? stage.work_us / stage.size() : 0);
+    const bool is_between = !step.from.empty() && i + 1 < way.size();
+    stage.pass = is_between ? part(stage.pass, done) : 1;
+    stage.share = part(done, stage.share);
     for (auto* sum : {&stage.work_us, &stage.cpu_us, &stage.queue_us, &stage.round_trip_us})
         *sum /= stage.size();
     if (step.from.empty())
@@ -258,12 +281,11 @@ std::map<std::string, MachineLoad> machines_of(const Looks& looks, const std::ve
     return machines;
 }
 
-/// All sources of Hive that support on demand have this parameter. Headers do not show the mode: a notification is a
-/// live event.
-bool is_on_demand(Application& application, const std::string& source)
+/// Its status says so, since headers do not: a notification is a live event.
+bool is_on_demand(const Status& source, const std::string& port)
 {
-    return application.describe(source).parameter("pace") != nullptr
-           && application.get(source, {"pace"}).at("pace") == "demand";
+    return std::ranges::any_of(source.outputs,
+                               [&](const OutputStatus& output) { return output.name == port && output.lossless; });
 }
 
 void ask_interfaces(Application& application, const Looks& looks, Line& line)
@@ -332,7 +354,8 @@ Line line_of(Application& application, const Looks& looks, const AllSeen& seen, 
         line.stages.push_back(stage_of(looks, seen, way, i));
     for (std::size_t i = 1; i < line.stages.size(); ++i)
         line.stages[i].bytes = line.stages[i - 1].bytes;
-    line.on_demand = is_on_demand(application, way.front().members.front());
+    const auto& source = looks.after.find(way.front().members.front())->status;
+    line.on_demand = is_on_demand(source, output_of(way, 0, source));
     line.machines = machines_of(looks, way);
     fit(line);
     ask_interfaces(application, looks, line);

@@ -23,7 +23,7 @@ void add(std::vector<Station>& limits, Station::What what, std::string at, doubl
 void add_limits(std::vector<Station>& limits, const Stage& stage)
 {
     const double cycle = cycle_us(stage), path = cycle - stage.work_us;
-    const double works = stage.size() * second_us / stage.work_us;
+    const double works = stage.share * stage.size() * second_us / stage.work_us;
     const double windowed = streams(stage) ? HUGE_VAL : stage.size() * stage.options.window * second_us / cycle;
     constexpr double small = 0.1;
     const bool is_overhead = path < small * cycle;  // then it belongs to the work
@@ -35,13 +35,13 @@ void add_limits(std::vector<Station>& limits, const Stage& stage)
         add(limits, Station::What::window, connection(stage), path, windowed);
 }
 
-/// Processor time per event of the line on the machine, without the source, whose speed is given.
+/// Processor time per event of the last stage on the machine, without the source, whose speed is given.
 double cpu_per_event_us(const Line& line, const std::string& host)
 {
     double sum = 0;
     for (std::size_t i = line.on_demand ? 0 : 1; i < line.stages.size(); ++i)
         if (const auto found = line.stages[i].hosts.find(host); found != line.stages[i].hosts.end())
-            sum += line.stages[i].cpu_us * found->second / line.stages[i].size();
+            sum += line.stages[i].cpu_us * found->second / line.stages[i].size() / through(line, i);
     return sum;
 }
 
@@ -75,7 +75,7 @@ double stage_per_s(const Stage& stage)
 /// Of a saturated stage: the time of an event on the connection besides the round trip and the encoding.
 double saturated_transit_us(const Stage& stage)
 {
-    const double cycle = stage.size() * second_us / stage.per_s, window = stage.options.window;
+    const double cycle = stage.share * stage.size() * second_us / stage.per_s, window = stage.options.window;
     const double known = stage.round_trip_us + stage.encode_us + stage.work_us;
     if (!streams(stage) && stage.options.window == 1)
         return std::max(0.0, cycle - known);
@@ -99,6 +99,14 @@ double one_way_us(const Stage& stage) { return stage.round_trip_us / 2 + stage.t
 
 }  // namespace
 
+double through(const Line& line, std::size_t i)
+{
+    double passed = 1;
+    for (i = std::max<std::size_t>(i, 1); i + 1 < line.stages.size(); ++i)
+        passed *= line.stages[i].pass;
+    return passed;
+}
+
 std::string names(const Stage& stage)
 {
     std::string text;
@@ -118,7 +126,8 @@ void fit(Line& line)
     if (line.on_demand) {  // only the slowest has events that wait for it
         std::size_t slowest = 1;
         const auto load = [&](const Stage& stage) {
-            return stage.per_s * (stage.work_us + stage.round_trip_us / stage.options.window) / stage.size();
+            return stage.per_s / stage.share * (stage.work_us + stage.round_trip_us / stage.options.window)
+                   / stage.size();
         };
         for (std::size_t i = 1; i < line.stages.size(); ++i)
             slowest = load(line.stages[i]) > load(line.stages[slowest]) ? i : slowest;
@@ -146,9 +155,16 @@ std::vector<Station> limits(const Line& line)
 {
     std::vector<Station> limits;
     const auto source = source_per_s(line);
-    add(limits, Station::What::source, line.stages.front().members.front(), second_us / source, source);
-    for (std::size_t i = 1; i < line.stages.size(); ++i)
-        add_limits(limits, line.stages[i]);
+    add(limits, Station::What::source, line.stages.front().members.front(), second_us / source,
+        source * through(line, 0));
+    for (std::size_t i = 1; i < line.stages.size(); ++i) {
+        std::vector<Station> own;
+        add_limits(own, line.stages[i]);
+        for (auto& limit : own) {
+            limit.max_per_s *= through(line, i);
+            limits.push_back(std::move(limit));
+        }
+    }
     add_limits(limits, line);
     std::ranges::stable_sort(limits, {}, &Station::max_per_s);
     return limits;
@@ -180,7 +196,7 @@ double latency(const Line& line)
             sum += std::max(0.0, between_us(line, i).value_or(stage.queue_us) - path);  // as long as its queue is
         else if (saturated)
             sum += second_us / offered / 2 + std::max(0.0, stage.options.window * stage.work_us - cycle_us(stage));
-        offered = std::min(offered, most);
+        offered = std::min(offered, most) * stage.pass;
     }
     return sum;
 }

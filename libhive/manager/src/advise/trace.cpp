@@ -75,6 +75,8 @@ std::vector<Step> way_to(const Look& look, const std::string& target, const std:
             step = {.from = input->from, .input = input->input, .group = input->options.group};
             step.members = members_of(look, *answer, step);
         }
+        if (!way.empty())
+            way.front().senders = step.members;
         way.insert(way.begin(), step);
         if (!input)
             return source.empty() || answer->drone == source ? way : std::vector<Step>();
@@ -113,7 +115,9 @@ std::vector<const InputStatus*> inputs_of(const Status& member, const Step& step
 {
     std::vector<const InputStatus*> rows;
     for (const auto& input : member.inputs)
-        if (input.connected && input.input == step.input && port_of(input.from) == port_of(step.from))
+        if (input.connected && input.input == step.input && port_of(input.from) == port_of(step.from)
+            && std::ranges::any_of(step.senders,
+                                   [&](const auto& sender) { return drone_of(sender) == owner_of(input.from); }))
             rows.push_back(&input);
     return rows;
 }
