@@ -1,0 +1,75 @@
+// The memory of hivectl dash, of a view drone and of their camera with ten viewers each is flat. $HIVE_VIEWERS_SECONDS
+// says for how long it is measured: 20 s; the requirement is an hour.
+#include "dash_server.hpp"
+
+#include <doctest/doctest.h>
+#include <free_port.hpp>
+
+#include <cstdlib>
+#include <map>
+#include <thread>
+
+using namespace hive::test;
+using namespace std::chrono_literals;
+
+namespace {
+
+constexpr int viewers = 10, streams = 8;  // a view drone serves 8 of these
+
+std::chrono::seconds measured_for()
+{
+    const char* const seconds = std::getenv("HIVE_VIEWERS_SECONDS");
+    return std::chrono::seconds(seconds ? std::atoi(seconds) : 20);
+}
+
+double megabytes(std::size_t bytes) { return static_cast<double>(bytes) / 1e6; }
+
+/// The requests of a page in a browser: the events, images, the graph, and the details of a drone.
+std::string page_of(const Page& page)
+{
+    const auto get = "curl -s -m 10 -o /dev/null -b " + page.cookie() + " " + page.address();
+    return "curl -sN -o /dev/null -b " + page.cookie() + " " + page.address() + "/events & while sleep 0.2; do " + get
+           + "/picture/camera.image/320/0; " + get + "/graph.svg; " + get + "/drone/camera; " + get
+           + "/ask/camera; done";
+}
+
+}  // namespace
+
+TEST_CASE("viewers: with ten of them the memory of dash and view does not grow")
+{
+    const Swarm swarm;
+    const auto port = free_port();
+    const std::string token(32, 't');
+    const auto camera = swarm.drone("camera", "camera", {"source=scene", "fps=15"}),
+               view = swarm.drone("view", "view", {"http=" + std::to_string(port), "token=" + token}, {}, {"DISPLAY="});
+    swarm.hivectl_done({"connect", "camera", "view"});
+    const Page page(swarm);
+    const auto stream =
+        "exec curl -sN -o /dev/null 'http://127.0.0.1:" + std::to_string(port) + "/stream.mjpg?token=" + token + "'";
+    std::vector<Process> browsers;
+    for (int i = 0; i < viewers; ++i)
+        for (const auto& line : i < streams ? std::vector{page_of(page), stream} : std::vector{page_of(page)})
+            browsers.emplace_back(std::vector<std::string>{"/bin/sh", "-c", line}, std::vector<std::string>{},
+                                  swarm.home() / "browsers");
+
+    const std::map<std::string, pid_t> programs{{"dash", page.pid()}, {"view", view.pid()}, {"camera", camera.pid()}};
+    std::map<std::string, std::size_t> before, after;  // the most in the second and in the last third
+    const auto begin = std::chrono::steady_clock::now(), end = begin + measured_for();
+    for (auto now = begin; now < end; now = std::chrono::steady_clock::now()) {
+        const auto third = 3 * (now - begin) / (end - begin);
+        for (const auto& [name, pid] : programs)
+            if (third > 0) {
+                auto& most = (third == 1 ? before : after)[name];
+                most = std::max(most, resident_bytes(pid));
+            }
+        std::this_thread::sleep_for(200ms);
+    }
+    for (const auto& [name, pid] : programs) {
+        constexpr double growth = 4;  // megabytes: pages that are touched late
+        MESSAGE(name, ": ", megabytes(before[name]), " MB, then ", megabytes(after[name]), " MB");
+        CHECK(before[name] > 0);
+        CHECK(megabytes(after[name]) <= megabytes(before[name]) + growth);
+    }
+    for (auto& browser : browsers)
+        CHECK(!browser.wait(0ms));  // it looked until the end
+}
