@@ -10,6 +10,8 @@
 #include <hive/graph.hpp>
 #include <hive/rerun.hpp>
 
+#include <algorithm>
+
 using namespace hive;
 using namespace hive::c;
 
