@@ -66,6 +66,7 @@ public:
     void swallow(std::size_t from, std::size_t to) const { hub_.run("ip rule add " + way(from, to)); }
     void let_through(std::size_t from, std::size_t to) const { hub_.run("ip rule delete " + way(from, to)); }
     [[nodiscard]] const Swarm& laptop() const { return laptop_->swarm; }
+    [[nodiscard]] const std::string& laptop_network() const { return laptop_->net.name(); }
     /// The central namespace, to which all are linked.
     [[nodiscard]] const std::string& hub() const { return hub_.name(); }
     [[nodiscard]] const Machine& machine(std::size_t index) const { return *machines_.at(index); }

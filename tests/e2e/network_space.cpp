@@ -38,4 +38,17 @@ void enter_network(const std::string& name)
     require_descriptor(entered, "cannot enter a network namespace");
 }
 
+NetworkVisit::NetworkVisit(const std::string& name)
+    : home_(require_descriptor(::open("/proc/thread-self/ns/net", O_RDONLY | O_CLOEXEC),
+                               "cannot open the present network namespace"))
+{
+    enter_network(name);
+}
+
+NetworkVisit::~NetworkVisit()
+{
+    ::setns(home_, CLONE_NEWNET);
+    ::close(home_);
+}
+
 }  // namespace hive::test

@@ -11,6 +11,18 @@ namespace hive::test {
 /// The calling thread stays inside: its later sockets belong to the namespace. Throws std::runtime_error.
 void enter_network(const std::string& name);
 
+/// The calling thread is inside as long as this lives; then it returns.
+class NetworkVisit {
+public:
+    explicit NetworkVisit(const std::string& name);
+    ~NetworkVisit();
+    NetworkVisit(const NetworkVisit&) = delete;
+    NetworkVisit& operator=(const NetworkVisit&) = delete;
+
+private:
+    int home_;
+};
+
 /// Runs a function inside, on its own thread, and returns its result.
 template <class Function>
 auto inside_network(const std::string& name, Function function)

@@ -36,6 +36,9 @@ public:
     /// A source on demand produces so soon when all have asked.
     [[nodiscard]] virtual std::chrono::milliseconds pace() const { return stillness(); }
 
+    /// Addresses of a drone.
+    [[nodiscard]] virtual std::int64_t max_places() const { return 1; }
+
     /// Do all drones hear at once what others send?
     [[nodiscard]] virtual bool all_hear() const { return true; }
 

@@ -32,8 +32,8 @@ public:
 }  // namespace
 
 /// What a live stream has queued stays when its connection is changed to another kind.
-Sizes::Sizes(const Topology& topology, std::int64_t guests)
-    : max_queued_(topology.demand ? max_asked : max_streamed_live)
+Sizes::Sizes(const Topology& topology, std::int64_t guests, std::int64_t places)
+    : max_queued_(topology.demand ? max_asked : max_streamed_live), max_places_(places)
 {
     for (const auto& drone : topology.drones())
         most_[drone] = {other_edges + guests, other_inputs};
@@ -62,7 +62,7 @@ Problems Sizes::look(const Statuses& statuses) const
         }
         report.at_most(most.inputs, std::ssize(status.inputs), "inputs of ", name);
         report.at_most(1, std::ssize(status.left), "left inputs of ", name);
-        report.at_most(1, std::ssize(status.places), "places of ", name);
+        report.at_most(max_places_, std::ssize(status.places), "places of ", name);
     }
     return report.problems;
 }

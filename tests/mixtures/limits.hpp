@@ -11,7 +11,8 @@ namespace hive::mixtures {
 class Sizes {
 public:
     /// @param guests  receivers that are not in the topology, at most
-    explicit Sizes(const Topology& topology, std::int64_t guests = 0);
+    /// @param places  addresses of a drone, at most
+    explicit Sizes(const Topology& topology, std::int64_t guests = 0, std::int64_t places = 1);
     [[nodiscard]] Problems look(const Statuses& statuses) const;
 
 private:
@@ -19,7 +20,7 @@ private:
         std::int64_t edges = 0, inputs = 0;
     };
 
-    std::int64_t max_queued_;
+    std::int64_t max_queued_, max_places_;
     std::map<std::string, Rows> most_;  ///< that a drone can have
 };
 

@@ -64,6 +64,13 @@ enum class Verb {
     set_and_kill,  ///< one of these, while `drone` is killed
     rest,          ///< nothing: only wait and check
     forget,        ///< `sender` waits no longer for `drone`, which was killed; it comes back by itself when it starts
+    // Only on several machines (../soak); no plan draws these.
+    replace,      ///< another process takes the drone over
+    fail,         ///< the drone's code throws, once, at one of the next events
+    cut,          ///< the machine `drone` has no network
+    mend,         ///< it has again
+    swallow,      ///< what the machine `sender` sends to the machine `drone` vanishes
+    let_through,  ///< it arrives again
 };
 std::string_view token(Verb verb) noexcept;
 

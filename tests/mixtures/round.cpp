@@ -14,7 +14,8 @@ Round::Round(Plan plan, Ground& ground)
       pace_(ground.pace()),
       sizes_(plan_.topology,
              std::ssize(plan_.steps)
-                 * static_cast<int>(plan_.faults.contains(fault::lie) || plan_.faults.contains(fault::ends))),
+                 * static_cast<int>(plan_.faults.contains(fault::lie) || plan_.faults.contains(fault::ends)),
+             ground_.max_places()),
       waits_(plan_.topology.demand),
       idle_(ground.pace())
 {

@@ -43,9 +43,16 @@ public:
     Round(Plan plan, Ground& ground);
     /// Up to the first step with a problem.
     Played play();
+    /// One step that need not be of the plan.
+    /// @param last  a check afterwards waits until everything is there and connected
+    Problems one(const Step& step, bool last);
+    /// What has not come of an earlier run of the source, which produced so many events.
+    [[nodiscard]] Problems missing_of(std::int64_t epoch, std::int64_t produced) const
+    {
+        return model_.missing(epoch, produced);
+    }
 
 private:
-    Problems one(const Step& step, bool last);
     void perform(const Step& step);
     void set(const Step& step);
     void set_twice(const Step& step);

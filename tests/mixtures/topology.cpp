@@ -43,9 +43,9 @@ std::string words(const ConnectionOptions& options)
     return text;
 }
 
-constexpr std::array verbs{"feed",    "connect", "change",    "disconnect", "kill",  "start",
-                           "freeze",  "thaw",    "halt",      "resume",     "stop",  "set one",
-                           "set all", "set two", "set, kill", "rest",       "forget"};
+constexpr std::array verbs{"feed",   "connect", "change", "disconnect", "kill",    "start",   "freeze",     "thaw",
+                           "halt",   "resume",  "stop",   "set one",    "set all", "set two", "set, kill",  "rest",
+                           "forget", "replace", "fail",   "cut",        "mend",    "swallow", "let through"};
 
 }  // namespace
 
