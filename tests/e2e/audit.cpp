@@ -3,6 +3,8 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+
 using namespace hive::test;
 using namespace std::chrono_literals;
 using hive::Json;
@@ -90,6 +92,13 @@ TEST_CASE("audit: a receiver that is killed, a queue that is full and code that 
     application.connect({"source", ""}, {"thrower", ""});
     CHECK(eventually([&] { return audited(swarm).row("thrower.image").value("lost", 0) == 1; }));
     CHECK(has(swarm.hivectl({"audit", "--wide"}).out, "1 abandoned at thrower"));
+
+    application.disconnect({"source", ""}, {"thrower", ""});
+    CHECK(eventually([&] {
+        return std::ranges::any_of(audited(swarm).rows, [](const Json& row) {
+            return row.at("state") == "closed" && row.at("to") == "thrower.image" && row.at("lost") == 1;
+        });
+    }));
 
     const auto slow = swarm.drone("sleeper", "slow", {"work_ms=500"});
     application.connect({"source", ""}, {"slow", ""},

@@ -27,6 +27,9 @@ std::optional<Answers> answers_of(const Looks& looks, const std::string& drone)
     return answers;
 }
 
+/// What a row of closed connections has as its sender: an input keeps only their sum.
+const std::string closed = "closed connections";
+
 std::string drone_of(const std::string& end) { return end.substr(0, end.rfind('.')); }
 
 /// All edges of an output for one receiver: plain and in each group, since a receiver counts these together.
@@ -158,7 +161,8 @@ void add_losses(AuditRow& row)
         add("dropped", receiver, input->dropped, true);
         add("abandoned", receiver, input->abandoned, true);
         add("unmatched", receiver, input->unmatched, false);
-        if (row.ends.options().group.empty())  // a member returns discarded events
+        // A member returns discarded events, and a closed connection may have been one of a member.
+        if (row.ends.from != closed && row.ends.options().group.empty())
             add("discarded", receiver, input->discarded, false);
     }
 }
@@ -178,11 +182,26 @@ std::string state_of(const AuditRow& row)
 {
     if (row.ends.is_group())
         return "group";
+    if (row.ends.from == closed)
+        return "closed";
     if (!row.ends.at_sender)
         return row.sender_answers ? "unknown to the sender" : "sender gone";
     if (!row.ends.at_sender->connected)
         return "receiver gone";
     return row.receiver_answers ? "both ends" : "sender only";
+}
+
+/// An input's losses do not end with the connection.
+void add_closed(Audit& audit, const StatusAnswer& answer)
+{
+    for (const auto& input : answer.status.left) {
+        AuditRow row{.ends = {.from = closed, .to = answer.drone + "." + input.input, .at_receiver = input},
+                     .receiver_answers = !answer.error};
+        check_ends(row);
+        add_losses(row);
+        if (row.lost() > 0 || !row.differences.empty())
+            audit.rows.push_back(std::move(row));
+    }
 }
 
 }  // namespace
@@ -220,6 +239,8 @@ Audit audit(const std::vector<StatusAnswer>& first, const std::vector<StatusAnsw
         }
         audit.rows.push_back(std::move(row));
     }
+    for (const auto& answer : third)
+        add_closed(audit, answer);
     for (const auto& answer : third)
         if (answer.error)
             audit.silent.push_back(answer.drone);

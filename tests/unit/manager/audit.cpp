@@ -80,6 +80,28 @@ TEST_CASE("audit: ends that do not know of each other are found, unless one look
     CHECK(audit(unknown, look({10, 10, 10}), unknown).clean());
 }
 
+TEST_CASE("audit: what an input has lost stays after its connection was closed")
+{
+    auto closed = look({10, 10, 10});
+    auto& face = closed[1].status;
+    face.left.push_back(face.inputs[0]);
+    face.left[0].from = "";
+    CHECK(audit(closed, closed, closed).rows.size() == 1);
+    face.left[0].received += 5;
+    face.left[0].abandoned = 2;
+    face.left[0].discarded = 3;
+    const auto found = audit(closed, closed, closed);
+    REQUIRE(found.rows.size() == 2);
+    CHECK(found.rows[1].lost() == 2);
+    CHECK_FALSE(found.clean());
+    const auto row = to_json(found.rows[1]);
+    CHECK(row.at("from") == "closed connections");
+    CHECK(row.at("to") == "face.image");
+    CHECK(row.at("state") == "closed");
+    CHECK(row.at("came").is_null());
+    CHECK(row.at("fates") == "2 abandoned at face");
+}
+
 TEST_CASE("audit: events are lost where they were promised, and a drone that does not answer is named")
 {
     auto lossy = look({20, 10, 10});
