@@ -125,7 +125,7 @@ TEST_CASE("certificate: a file that is not there or has none is refused by its n
     CHECK_THROWS_WITH_AS(check_certificate("/tmp"), doctest::Contains("no file /tmp"), std::runtime_error);
     const File key("-----BEGIN PRIVATE KEY-----\n", 0600), empty("", 0600);
     for (const auto* file : {&key, &empty})
-        CHECK_THROWS_WITH_AS(check_certificate(file->path), doctest::Contains((file->path + " has none").c_str()),
+        CHECK_THROWS_WITH_AS(check_certificate(file->path), doctest::Contains((file->path + " contains no certificate").c_str()),
                              std::runtime_error);
 }
 

@@ -119,7 +119,7 @@ TEST_CASE("layouts: three outputs of as many rows are boxes, classes and scores;
               .second
           == "lists");
     CHECK(choice({scores, boxes, labels}, 0)
-          == std::pair(std::string("as lists it returns a score of 3, which is not between 0 and 1"),
+          == std::pair(std::string("as lists it gives a score of 3, which is not between 0 and 1"),
                        std::string_view("none")));
     CHECK(layout_of({{1, 0, 4}, {1, 0}, {1, 0}}, {.input = usual_input}) == "lists");  // nothing is seen
     CHECK(layout_of({{1, 2, 4}, {1, 2}, {1, 3}}, {.input = usual_input}) == "none");
@@ -132,7 +132,7 @@ TEST_CASE("layouts: of logits apart, the number of names tells whether the last 
     CHECK(choice(outputs, 3).second == "rt-detr-apart");
     const auto [reason, none] = choice(outputs, 0);
     CHECK(none == "none");
-    CHECK(reason == "as ssd-apart it returns a score of -4, which is not between 0 and 1");
+    CHECK(reason == "as ssd-apart it gives a score of -4, which is not between 0 and 1");
 }
 
 TEST_CASE("layouts: numbers that a layout cannot have speak against it")
@@ -149,7 +149,7 @@ TEST_CASE("layouts: numbers that a layout cannot have speak against it")
     CHECK(choice({table({1, 3}, {-1, 4, 2})}, 0).second == "classify-logits");
     // A pose whose task is not known: its keypoints are no scores.
     CHECK(choice({table({1, 8, 9}, std::vector<float>(72, 30))}, 0)
-          == std::pair(std::string("as yolov8 it returns a score of 30, which is not between 0 and 1"),
+          == std::pair(std::string("as yolov8 it gives a score of 30, which is not between 0 and 1"),
                        std::string_view("none")));
 }
 
