@@ -125,8 +125,8 @@ TEST_CASE("certificate: a file that is not there or has none is refused by its n
     CHECK_THROWS_WITH_AS(check_certificate("/tmp"), doctest::Contains("no file /tmp"), std::runtime_error);
     const File key("-----BEGIN PRIVATE KEY-----\n", 0600), empty("", 0600);
     for (const auto* file : {&key, &empty})
-        CHECK_THROWS_WITH_AS(check_certificate(file->path), doctest::Contains((file->path + " contains no certificate").c_str()),
-                             std::runtime_error);
+        CHECK_THROWS_WITH_AS(check_certificate(file->path),
+                             doctest::Contains((file->path + " contains no certificate").c_str()), std::runtime_error);
 }
 
 TEST_CASE("credentials: from a file that its owner alone can read")

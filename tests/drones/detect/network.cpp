@@ -194,8 +194,7 @@ TEST_CASE("network: a score above 1 is refused, at the first run and later")
     CHECK(network.find(cv::Mat(8, 8, CV_8UC3, cv::Scalar::all(100))).size() == 1);
     CHECK_THROWS_AS(static_cast<void>(network.find(cv::Mat(8, 8, CV_8UC3, cv::Scalar::all(200)))), std::runtime_error);
     wanted.scale = 1;
-    CHECK(refusal(wanted).find("as yolov8 it gives a score of 114, which is not between 0 and 1")
-          != std::string::npos);
+    CHECK(refusal(wanted).find("as yolov8 it gives a score of 114, which is not between 0 and 1") != std::string::npos);
 }
 
 TEST_CASE("network: an operator that OpenCV lacks is named")
