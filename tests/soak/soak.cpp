@@ -165,6 +165,7 @@ void Soak::require_cause()
     ++causes_;
     constexpr int found_cause = 9;
     const auto done = ground_.hivectl("explain --json");
+    play({.verb = Verb::rest});  // what has come while explain looked
     if (done.exit_code != found_cause && came() == came_before_)
         require({"standstill: no result for " + std::to_string(standstill.count())
                  + " s, and explain names no cause: " + done.out + done.err});
