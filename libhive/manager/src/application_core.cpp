@@ -278,9 +278,10 @@ std::vector<Answer> Application::Core::ask_all(const std::vector<std::string>& d
     return ask_all(drones, type, std::vector<Json>(drones.size(), header));
 }
 
-Json Application::Core::ask(const std::string& drone, protocol::PacketType type, const Json& header, const Body& body)
+Json Application::Core::ask(const std::string& drone, protocol::PacketType type, const Json& header, const Body& body,
+                            std::optional<event::Clock::time_point> until)
 {
-    const auto reply = send(place(drone), type, header, body, deadline());
+    const auto reply = send(place(drone), type, header, body, until.value_or(deadline()));
     const auto& outcome = wait_for(reply);
     if (const auto* error = std::get_if<Error>(&outcome))
         throw named(drone, *error);

@@ -23,8 +23,9 @@ public:
     explicit Core(Application::Options options);
 
     /// Sends a request to one drone and waits; throws the error that it answers.
+    /// @param until  its deadline, if that is not the usual one
     Json ask(const std::string& drone, protocol::PacketType type, const Json& header = Json::object(),
-             const Body& body = {});
+             const Body& body = {}, std::optional<event::Clock::time_point> until = {});
     /// Sends requests to several, in parallel as far as descriptors allow, each with its own header, and waits for all.
     std::vector<Answer> ask_all(const std::vector<std::string>& drones, protocol::PacketType type,
                                 const std::vector<Json>& headers);

@@ -13,6 +13,7 @@ using protocol::PacketType;
 
 std::string to_text(const Endpoint& end) { return end.port.empty() ? end.drone : end.drone + "." + end.port; }
 
+/// Each address has its share of the timeout, but not less than an attempt needs.
 std::pair<Endpoint, Endpoint> Application::connect(const Endpoint& sender, const Endpoint& receiver,
                                                    const ConnectionOptions& options)
 {
@@ -23,10 +24,15 @@ std::pair<Endpoint, Endpoint> Application::connect(const Endpoint& sender, const
     const auto place = core_->place(sender.drone);
     protocol::Connect request{.drone = place.drone, .output = output->name, .input = input->name, .options = options};
     const auto ways = core_->ways(sender.drone, receiver.drone);
+    constexpr std::chrono::milliseconds usual_time(5000);
+    const auto until = core_->deadline();
     for (std::size_t i = 0; i < ways.size(); ++i)
         try {
             request.address = ways[i];
-            core_->ask(receiver.drone, PacketType::connect, to_json(request));
+            const auto now = event::Clock::now();
+            const auto share = (until - now) / static_cast<int>(ways.size() - i);
+            core_->ask(receiver.drone, PacketType::connect, to_json(request), {},
+                       now + std::max<event::Clock::duration>(share, std::min(core_->timeout, usual_time)));
             break;
         } catch (const Error& error) {
             if (i + 1 == ways.size() || (error.code() != Errc::unreachable && error.code() != Errc::timeout))

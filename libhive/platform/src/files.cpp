@@ -2,11 +2,13 @@
 #include <hive/platform/crash_signals.hpp>
 #include <hive/platform/files.hpp>
 
+#include <atomic>
 #include <cerrno>
 #include <fcntl.h>
 #include <fstream>
 #include <future>
 #include <sys/file.h>
+#include <system_error>
 #include <thread>
 #include <unistd.h>
 
@@ -48,6 +50,10 @@ std::error_code lock(int descriptor, std::chrono::nanoseconds timeout)
         return {};
     if (errno != EWOULDBLOCK)
         return {errno, std::generic_category()};
+    constexpr int max_waiting = 8;
+    static std::atomic<int> waiting = 0;
+    if (waiting >= max_waiting)  // a process holds such a lock for long: it is suspended
+        return std::make_error_code(std::errc::timed_out);
     const int copy = ::fcntl(descriptor, F_DUPFD_CLOEXEC, 0);
     if (copy < 0)
         return {errno, std::generic_category()};
@@ -56,12 +62,22 @@ std::error_code lock(int descriptor, std::chrono::nanoseconds timeout)
     const auto others = signals_for_others();
     sigset_t before;
     ::pthread_sigmask(SIG_SETMASK, &others, &before);
-    std::thread([copy, locked = std::move(locked)]() mutable {
-        const int result = lock_without_deadline(copy);
+    std::error_code problem;
+    try {
+        std::thread([copy, locked = std::move(locked)]() mutable {
+            const int result = lock_without_deadline(copy);
+            ::close(copy);
+            --waiting;
+            locked.set_value(result);
+        }).detach();
+        ++waiting;
+    } catch (const std::system_error& none_left) {
         ::close(copy);
-        locked.set_value(result);
-    }).detach();
+        problem = none_left.code();
+    }
     ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
+    if (problem)
+        return problem;
     if (error.wait_for(timeout) == std::future_status::ready)
         return {error.get(), std::generic_category()};
     return std::make_error_code(std::errc::timed_out);
