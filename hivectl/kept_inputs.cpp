@@ -52,7 +52,7 @@ void write_new(const std::filesystem::path& file, std::string_view bytes)
     const int descriptor = ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600);
     if (descriptor < 0 && errno == EEXIST)
         throw hive::Error(hive::Errc::refused, printable(file.string()) + " already exists",
-                          "save to another directory");
+                          "choose another name, or another directory");
     bool written = descriptor >= 0;
     while (written && !bytes.empty()) {
         const auto count = ::write(descriptor, bytes.data(), bytes.size());

@@ -52,6 +52,20 @@ std::int64_t taken_number(std::vector<std::string>& words)
     return number;
 }
 
+/// Throws for arguments that would have no effect.
+void require_used(const Options& options, std::int64_t number, const std::vector<std::string>& settings)
+{
+    using hive::Errc, hive::Error;
+    if (hive::is_failure_file(options.name) && number > 0)
+        throw Error(Errc::invalid_argument, printable(options.name) + " is a file, which has one failure",
+                    "leave out the number");
+    if (hive::is_failure_file(options.name) && !options.on.empty())
+        throw Error(Errc::invalid_argument, printable(options.name) + " is a file of this machine", "leave out --on");
+    if (!options.save.empty() && !settings.empty())
+        throw Error(Errc::invalid_argument, "--save runs nothing, so " + printable(settings.front()) + " has no effect",
+                    "give it when you rerun the file");
+}
+
 hive::KeptFailure failure_meant(const Options& options, std::int64_t number, Session& session)
 {
     const Waiting waiting("the failure of " + printable(options.name));
@@ -92,6 +106,7 @@ int run(const Options& options, Session& session)
 {
     auto words = options.words;
     const auto number = taken_number(words);
+    require_used(options, number, words);
     const interrupt::Deferred deferred;
     const auto failure = failure_meant(options, number, session);
     if (!options.save.empty())
@@ -141,20 +156,27 @@ Run declare(CommandLine& line, Session& session)
     line.option("words", options->words,
                 "NO: number of the failure in hivectl exceptions (default: the newest); key=value: parameters of the "
                 "new drone, in addition to those of NAME");
-    line.option("--kind", options->kind, "KIND of the new drone, or a Python file, FILE.py (default: that of NAME)")
-        .type_name("KIND");
-    line.option("--program", options->program, "run this program instead, such as another build").type_name("PATH");
-    line.option("--under", options->under,
+    const auto kind =
+        line.option("--kind", options->kind, "KIND of the new drone, or a Python file, FILE.py (default: that of NAME)")
+            .type_name("KIND");
+    const auto program =
+        line.option("--program", options->program, "run this program instead, such as another build").type_name("PATH");
+    const auto under =
+        line.option(
+                "--under", options->under,
                 "run the drone under this command at this terminal, such as \"gdb --args\" or \"valgrind\", without "
                 "--timeout; it gets the input once it is ready")
-        .type_name("WORDS");
+            .type_name("WORDS");
     line.option("--on", options->on,
                 "the failure is kept on this machine, as ssh names it (default: this one, or the one on which "
                 "NAME was started with --on)")
         .type_name("HOST");
     line.option("--save", options->save,
                 "run nothing; write the failure to this file, which is enough to rerun it anywhere (-: stdout)")
-        .type_name("FILE");
+        .type_name("FILE")
+        .excludes(kind)
+        .excludes(program)
+        .excludes(under);
     return [options, &session] { return run(*options, session); };
 }
 

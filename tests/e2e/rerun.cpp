@@ -101,6 +101,20 @@ TEST_CASE("rerun: a file alone is enough, on a machine that knows nothing of the
     here.hivectl_done({"rerun", file.string(), "--save", saved.string()});
     CHECK(content(saved) == content(file));
     CHECK(here.hivectl({"rerun", file.string(), "--save", saved.string()}).exit_code == 5);  // exists
+    for (const auto& useless : std::vector<std::vector<std::string>>{
+             {"1"}, {"--on", "gpu1"}, {"--save", "-", "how=none"}, {"--save", "-", "--kind", "sleeper"}}) {
+        std::vector<std::string> words{"rerun", file.string()};
+        words.insert(words.end(), useless.begin(), useless.end());
+        CHECK(here.hivectl(words).exit_code == 2);
+    }
+
+    auto renamed = content(file);  // the kind is a Python file, which is not taken from it; the parameters are
+    renamed.replace(renamed.find("\"kind\":\"breaker\""), 16, "\"kind\":\"edge.py\"");
+    const auto python = here.home() / "python.failure";
+    std::ofstream(python, std::ios::binary) << renamed;
+    CHECK(here.hivectl({"rerun", python.string()}).exit_code == 3);  // no such program
+    const auto replaced = here.hivectl({"rerun", python.string(), "--kind", "breaker"}, 30s);
+    CHECK_MESSAGE(replaced.out == "victim threw: failed: broken, as told\n", replaced.err);
 }
 
 TEST_CASE("rerun: values that affect the machine, such as logins, are neither written to a file nor taken from one")

@@ -33,12 +33,15 @@ public:
     explicit Packets(const fs::path& file)
     {
         // Opening a pipe would wait for its writer.
-        if (std::error_code problem; !fs::is_regular_file(file, problem))
+        std::error_code problem;
+        if (!fs::is_regular_file(file, problem))
             throw problem ? Error(Errc::io, problem.message()) : Error(Errc::malformed, "it is not a regular file");
         in_.open(file, std::ios::binary);
         if (!in_)
             throw Error(Errc::io, std::strerror(errno));
-        left_ = fs::file_size(file);
+        left_ = fs::file_size(file, problem);
+        if (problem)
+            throw Error(Errc::io, problem.message());
         require_at_most("the file", left_, max_failure_file_bytes);
     }
 
@@ -87,7 +90,7 @@ Json about(const KeptFailure& failure)
               {"code", failure.code},
               {"text", failure.text},
               {"inputs", inputs}};
-    if (!failure.kind.empty())
+    if (!failure.kind.empty() || !failure.version.empty())
         json.update({{"kind", failure.kind}, {"version", failure.version}, {"parameters", failure.parameters}});
     return json;
 }

@@ -7,6 +7,7 @@
 #include <hive/event/failure_file.hpp>
 #include <hive/name.hpp>
 #include <hive/printable.hpp>
+#include <hive/process.hpp>
 #include <hive/program.hpp>
 #include <hive/remote.hpp>
 #include <hive/rerun.hpp>
@@ -15,7 +16,6 @@
 #include <algorithm>
 #include <cerrno>
 #include <fcntl.h>
-#include <fstream>
 #include <sstream>
 
 namespace hive {
@@ -27,15 +27,15 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::string_view extension = ".failure";
 
-/// A file may come from anyone, so it must not name a program of its own.
+/// A file may come from anyone, so it must not name a program of its own. Its version marks it as a file.
 KeptFailure checked(KeptFailure failure)
 {
     if (is_python_file(failure.kind) || (!failure.kind.empty() && !is_name(failure.kind)))
         failure.kind = {};
-    if (failure.kind.empty()) {
+    if (failure.kind.empty())
         failure.kind = kind_by_name(failure.drone).value_or("");
-        failure.parameters = Json::object();
-    }
+    if (failure.version.empty())
+        failure.version = "unknown";
     return failure;
 }
 
@@ -61,6 +61,7 @@ public:
     Fetched& operator=(const Fetched&) = delete;
 
     [[nodiscard]] fs::path file() const { return directory_.path() / "fetched.failure"; }
+    [[nodiscard]] fs::path errors() const { return directory_.path() / "errors"; }
     CommandResult wait(const FailureQuery& query)
     {
         constexpr auto interval = 20ms;
@@ -68,19 +69,30 @@ public:
         while (!ssh_.await_end(std::min(end, Clock::now() + interval)) && Clock::now() < end) {
             if (query.cancelled && query.cancelled())
                 throw Error(Errc::stopped, "cancelled");
-            require_at_most("the failure", fs::file_size(file()), event::max_failure_file_bytes);
+            require_size("the failure", file(), event::max_failure_file_bytes);
+            require_size("what ssh prints", errors(), max_errors);
         }
         CommandResult result;
         if (const auto status = ssh_.ended())
             result.exit_code = exit_code_of_status(*status);
         else
             result.late = true;
-        std::ifstream errors(directory_.path() / "errors");
-        result.err = {std::istreambuf_iterator<char>(errors), {}};
+        constexpr std::size_t lines = 50;
+        result.err = last_lines(errors(), lines);
         return result;
     }
 
 private:
+    static constexpr std::uintmax_t max_errors = 1024 * 1024;
+
+    static void require_size(const std::string& what, const fs::path& file, std::uintmax_t most)
+    {
+        std::error_code problem;
+        const auto size = fs::file_size(file, problem);
+        require_done(problem.value(), "read a temporary file");
+        require_at_most(what, size, most);
+    }
+
     [[nodiscard]] transport::Descriptor opened(const char* name) const
     {
         transport::Descriptor file(
@@ -135,14 +147,15 @@ void add_program(Application& application, KeptFailure& failure)
 try {
     auto known = known_program(application, failure.drone);
     failure.kind = known.kind;
-    failure.version = version();
     const bool runs = std::ranges::binary_search(application.drones(), failure.drone);
     const auto interface = runs ? application.describe(failure.drone) : interface_of(known.kind);
+    failure.version = interface.version;
     for (auto& [name, value] : known.parameters.items())
         if (const auto* const parameter = interface.parameter(name); parameter && value != parameter->default_value)
             failure.parameters[name] = parameter->for_operator ? Json() : value;
 } catch (const Error&) {
     // It has just exited, or its program is gone: the file is without its parameters.
+    failure.version = version();
 }
 
 }  // namespace
@@ -168,7 +181,7 @@ KeptFailure find_failure(Application& application, const FailureQuery& query)
 
 std::string failure_file(Application& application, KeptFailure failure)
 {
-    if (failure.kind.empty())
+    if (failure.version.empty())
         add_program(application, failure);
     std::ostringstream out;
     event::write_failure(out, failure);

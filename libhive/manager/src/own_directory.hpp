@@ -16,7 +16,7 @@ public:
     OwnDirectory()
     {
         auto pattern = (std::filesystem::temp_directory_path() / "hive-rerun-XXXXXX").string();
-        require_done(::mkdtemp(pattern.data()) ? 0 : errno, "make a directory for the fresh drone");
+        require_done(::mkdtemp(pattern.data()) ? 0 : errno, "make a temporary directory");
         path_ = pattern;
     }
     ~OwnDirectory()

@@ -10,6 +10,7 @@
 #include <hive/rerun.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <fcntl.h>
 
@@ -29,7 +30,7 @@ DroneOrder order_of(Application& application, const KeptFailure& failure, const 
     DroneOrder order{.name = drone, .kind = options.kind};
     if (order.kind.empty())
         order.kind = failure.kind;
-    if (failure.kind.empty()) {
+    if (failure.version.empty()) {  // kept here: it is not from a file
         auto known = known_program(application, drone);
         const bool same = options.kind.empty() || is_python_file(options.kind) || options.kind == known.kind;
         if (order.kind.empty())
@@ -38,11 +39,21 @@ DroneOrder order_of(Application& application, const KeptFailure& failure, const 
             order.set = std::move(known.parameters);
     }
     if (order.kind.empty())
+        order.kind = known_program(application, drone).kind;
+    if (order.kind.empty())
         throw Error(Errc::not_found, "nothing is known of the program of " + drone + ", which does not run",
                     "say what it was: --kind KIND");
     for (const auto& [name, value] : options.set.items())
         order.set[name] = value;
     return order;
+}
+
+/// Rethrows the error of a drone that has not answered; to be called in a handler.
+void require_answered(const Error& error)
+{
+    constexpr std::array unanswered{Errc::timeout, Errc::connection_lost, Errc::unreachable, Errc::stopped};
+    if (std::ranges::find(unanswered, error.code()) != unanswered.end())
+        throw;
 }
 
 class FreshDrone {
@@ -70,6 +81,7 @@ private:
     Child started() const;
     void until_ready();
     void set_from_file(Rerun& result);
+    void set_fitting(const Json& values, Rerun& result);
     std::optional<Status> given();
     std::optional<Status> until_finished();
     [[nodiscard]] std::unique_ptr<Collector> receive();
@@ -166,12 +178,24 @@ void FreshDrone::set_from_file(Rerun& result)
         else
             values[name] = value;
     }
+    if (!values.empty())
+        set_fitting(values, result);
+}
+
+/// Sets all at once, since some are valid only together; otherwise each that the drone accepts.
+void FreshDrone::set_fitting(const Json& values, Rerun& result)
+{
+    try {
+        application_.set(order_.name, values);
+        return;
+    } catch (const Error& error) {
+        require_answered(error);
+    }
     for (const auto& [name, value] : values.items())
         try {
             application_.set(order_.name, Json{{name, value}});
         } catch (const Error& error) {
-            if (error.code() != Errc::refused)
-                throw;
+            require_answered(error);
             result.unfit.push_back(error.what());
         }
 }
@@ -234,7 +258,7 @@ Rerun FreshDrone::run()
     until_ready();
     Rerun result;
     end_ = Clock::now() + options_.limit;
-    if (!failure_.kind.empty())
+    if (!failure_.version.empty())
         set_from_file(result);
     const auto status = given();
     if (!options_.under.empty())
