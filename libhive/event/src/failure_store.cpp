@@ -5,12 +5,13 @@
 #include <hive/event/failure_store.hpp>
 #include <hive/name.hpp>
 #include <hive/platform/process.hpp>
+#include <hive/transport/descriptor.hpp>
 #include <hive/transport/folder_lock.hpp>
 
 #include <algorithm>
-#include <atomic>
 #include <cerrno>
 #include <charconv>
+#include <chrono>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -58,10 +59,8 @@ std::int64_t number_of(const std::string& digits)
 /// make room for it.
 void reserve(const fs::path& file, std::uintmax_t bytes)
 {
-    const int descriptor = ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600);
-    const bool reserved = descriptor >= 0 && ::ftruncate(descriptor, static_cast<off_t>(bytes)) == 0;
-    ::close(descriptor);
-    if (!reserved)
+    const transport::Descriptor made(::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600));
+    if (!made || ::ftruncate(made.get(), static_cast<off_t>(bytes)) != 0)
         fail("cannot write " + file.string());
 }
 
@@ -79,10 +78,10 @@ void write(const fs::path& file, const KeptFailure& failure)
 class Unfinished {
 public:
     explicit Unfinished(const fs::path& directory)
+        : path_(directory
+                / (std::string(unfinished) + std::to_string(platform::own_pid()) + "-"
+                   + std::to_string(platform::entropy())))
     {
-        static std::atomic<int> count = 0;
-        path_ =
-            directory / (std::string(unfinished) + std::to_string(platform::own_pid()) + "-" + std::to_string(++count));
     }
     ~Unfinished()
     {
@@ -174,7 +173,9 @@ std::uintmax_t FailureStore::unfinished_bytes() const
         if (!name.starts_with(unfinished))
             continue;
         const auto pid = number_of(name.substr(unfinished.size(), name.rfind('-') - unfinished.size()));
-        if (platform::process_ends(pid))
+        // Its pid may be that of another process by now, but no writer pauses that long.
+        if (platform::process_ends(pid)
+            || entry.last_write_time(ignored) < fs::file_time_type::clock::now() - std::chrono::minutes(1))
             fs::remove(entry.path(), ignored);
         else if (const auto size = entry.file_size(ignored); !ignored)
             bytes += size;

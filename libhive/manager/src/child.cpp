@@ -209,11 +209,16 @@ std::optional<int> Child::ended()
 bool Child::await_end(Clock::time_point until)
 {
     for (pollfd over{-1, POLLIN, 0}; !ended();) {
-        over.fd = descriptor();
+        try {
+            over.fd = descriptor();
+        } catch (const Error&) {
+            over.fd = -1;  // out of descriptors; destructors wait here
+        }
         const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - Clock::now()).count();
         if (left <= 0)
             return false;
-        ::poll(&over, 1, static_cast<int>(std::min<std::int64_t>(left, 3'600'000)));
+        const std::int64_t most = over.fd < 0 ? 20 : 3'600'000;
+        ::poll(&over, 1, static_cast<int>(std::min<std::int64_t>(left, most)));
     }
     return true;
 }

@@ -165,6 +165,9 @@ TEST_CASE("failure store: only its user reads, and what a writer that died has l
     std::filesystem::create_directory(folder.kept());
     std::filesystem::permissions(folder.kept(), std::filesystem::perms::owner_all);
     std::ofstream(folder.kept() / ".new-999999999-1") << "half of it";
+    const auto old = folder.kept() / (".new-" + std::to_string(::getpid()) + "-1");  // its pid is another's by now
+    std::ofstream(old) << "half of it";
+    std::filesystem::last_write_time(old, std::filesystem::file_time_type::clock::now() - std::chrono::minutes(2));
     store.keep(failure("face", 1));
     int files = 0;
     for (const auto& entry : std::filesystem::directory_iterator(folder.kept())) {
