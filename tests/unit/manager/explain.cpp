@@ -162,6 +162,13 @@ TEST_CASE("explain: what is slow for all drones of a machine is said once, with 
     REQUIRE(limited.size() == 1);
     CHECK(limited[0].drone == "face");
     CHECK(limited[0].text == "the control group of face on gpu1 has 0.0 GB of its 1.0 GB of memory left");
+    second.answers[0].status.machine = second.answers[1].status.machine;  // another container, with the same limit
+    second.answers[0].status.machine.memory_available = gigabyte / 2;
+    second.answers[0].status.memory = gigabyte / 2;
+    const auto equal = explaining::machine_causes(first, second);
+    REQUIRE(equal.size() == 1);
+    CHECK(equal[0].drone == "face");
+    CHECK(equal[0].text == limited[0].text);
 
     second = first;
     second.answers[0].place.host = Place::here;

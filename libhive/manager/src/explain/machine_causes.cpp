@@ -110,12 +110,18 @@ std::string owner_text(const Machine& machine, const std::string& drone)
                                          : machine_text(machine.host);
 }
 
+bool is_short(const MachineStatus& machine)
+{
+    return machine.memory > 0
+           && static_cast<double>(machine.memory_available) <= short_of * static_cast<double>(machine.memory);
+}
+
 void add_memory(std::vector<Cause>& causes, const Machine& machine)
 {
+    if (!is_short(machine.status))
+        return;
     const auto all = static_cast<double>(machine.status.memory);
     const auto available = static_cast<double>(machine.status.memory_available);
-    if (all == 0 || available > short_of * all)
-        return;
     const auto users = most(machine, &User::memory);
     const auto& greatest = users.front();
     auto& short_one = causes.emplace_back(cause(What::memory, greatest,
@@ -155,7 +161,8 @@ std::vector<Cause> machine_causes(const Look& first, const Look& second)
     std::vector<Cause> causes;
     const auto same_processors = [](const MachineStatus&, const MachineStatus&) { return true; };
     const auto same_memory = [](const MachineStatus& one, const MachineStatus& other) {
-        return one.memory_limited == other.memory_limited && one.memory == other.memory;
+        return one.memory_limited == other.memory_limited && one.memory == other.memory
+               && (!one.memory_limited || is_short(one) == is_short(other));  // not two groups with equal limits
     };
     for (const auto& machine : machines_of(first, second, same_processors))
         add_processors(causes, machine);
