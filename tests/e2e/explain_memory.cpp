@@ -1,6 +1,8 @@
 // Drones whose control group has little memory left: a real group of this kernel, and the files of a container.
 #include "explained.hpp"
 
+#include <possible.hpp>
+
 #include <csignal>
 #include <fstream>
 #include <sys/stat.h>
@@ -58,10 +60,8 @@ TEST_CASE("explain: the control group of a drone has little memory left, and the
 {
     constexpr std::int64_t limit = 256 << 20;
     const Group group(limit);
-    if (!group.valid()) {
-        MESSAGE("skipped: no control group with a memory limit can be made here");
+    if (!possible(group.valid() ? "" : "the right to make a control group with a memory limit"))
         return;
-    }
     const Swarm swarm;
     const auto start = [&](const std::string& words) {
         return swarm.run(
@@ -101,10 +101,8 @@ TEST_CASE("explain: the control group of a drone has little memory left, and the
 
 TEST_CASE("status: in a container the memory is that of its control group, without cached files")
 {
-    if (::geteuid() != 0) {
-        MESSAGE("skipped: needs root, to make mounts");
+    if (!possible(::geteuid() == 0 ? "" : "root, to make mounts"))
         return;
-    }
     const Swarm swarm;
     // As in a container of version 2: its own group is the root of the mount.
     const auto done =
@@ -113,10 +111,8 @@ TEST_CASE("status: in a container the memory is that of its control group, witho
                    " && echo 480000000 > memory.current"
                    " && printf 'anon 1\\ninactive_file 80000000\\n' > memory.stat && exec "
                        + swarm.program("hivectl").string() + " start sleeper --as worker"});
-    if (done.exit_code != 0 && has(done.err, "unshare")) {
-        MESSAGE("skipped: ", done.err);
+    if (!possible(done.exit_code != 0 && has(done.err, "unshare") ? "the right to make mounts: " + done.err : ""))
         return;
-    }
     REQUIRE_MESSAGE(done.exit_code == 0, done.err);
     const auto machine = swarm.application().status("worker").machine;
     CHECK(machine.memory_limited);

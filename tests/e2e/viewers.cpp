@@ -24,13 +24,19 @@ std::chrono::seconds measured_for()
 
 double megabytes(std::size_t bytes) { return static_cast<double>(bytes) / 1e6; }
 
-/// The requests of a page in a browser: the events, images, the graph, and the details of a drone.
-std::string page_of(const Page& page)
+/// The events of a page in a browser.
+std::string events_of(const Page& page)
 {
-    const auto get = "curl -s -m 10 -o /dev/null -b " + page.cookie() + " " + page.address();
-    return "curl -sN -o /dev/null -b " + page.cookie() + " " + page.address() + "/events & while sleep 0.2; do " + get
-           + "/picture/camera.image/320/0; " + get + "/graph.svg; " + get + "/drone/camera; " + get
-           + "/ask/camera; done";
+    return "exec curl -sfN -o /dev/null -b " + page.cookie() + " " + page.address() + "/events";
+}
+
+/// Its other requests, until one has a wrong answer: images and the graph, which may not exist yet, and the details of
+/// a drone.
+std::string requests_of(const Page& page)
+{
+    const auto get = "curl -sf -m 30 -o /dev/null -b " + page.cookie() + " " + page.address();
+    return "while sleep 0.2; do " + get + "/picture/camera.image/320/0; " + get + "/graph.svg; " + get
+           + "/drone/camera || exit 1; " + get + "/ask/camera || exit 1; done";
 }
 
 }  // namespace
@@ -44,13 +50,18 @@ TEST_CASE("viewers: with ten of them the memory of dash and view does not grow")
                view = swarm.drone("view", "view", {"http=" + std::to_string(port), "token=" + token}, {}, {"DISPLAY="});
     swarm.hivectl_done({"connect", "camera", "view"});
     const Page page(swarm);
+    REQUIRE(eventually([&] { return page.get("/drone/camera").ends_with("200"); }));  // 404 before the first look
     const auto stream =
-        "exec curl -sN -o /dev/null 'http://127.0.0.1:" + std::to_string(port) + "/stream.mjpg?token=" + token + "'";
+        "exec curl -sfN -o /dev/null 'http://127.0.0.1:" + std::to_string(port) + "/stream.mjpg?token=" + token + "'";
     std::vector<Process> browsers;
-    for (int i = 0; i < viewers; ++i)
-        for (const auto& line : i < streams ? std::vector{page_of(page), stream} : std::vector{page_of(page)})
+    for (int i = 0; i < viewers; ++i) {
+        std::vector lines{events_of(page), requests_of(page)};
+        if (i < streams)
+            lines.push_back(stream);
+        for (const auto& line : lines)
             browsers.emplace_back(std::vector<std::string>{"/bin/sh", "-c", line}, std::vector<std::string>{},
                                   swarm.home() / "browsers");
+    }
 
     const std::map<std::string, pid_t> programs{{"dash", page.pid()}, {"view", view.pid()}, {"camera", camera.pid()}};
     std::map<std::string, std::size_t> before, after;  // the most in the second and in the last third

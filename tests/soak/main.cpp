@@ -7,9 +7,13 @@
 #include <iostream>
 #include <random>
 
+#include <unistd.h>
+
 namespace {
 
-volatile std::sig_atomic_t interrupted = 0;
+volatile std::sig_atomic_t interrupted = 0, late = 0;
+
+constexpr unsigned grace_s = 300;  // for the start, the last rest and the end; the TIMEOUT of CTest is later
 
 constexpr int exit_not_possible = 77;  // CTest shows it as skipped
 
@@ -41,11 +45,22 @@ int main(int argc, char** argv)
     action.sa_handler = [](int) { interrupted = 1; };
     ::sigaction(SIGINT, &action, nullptr);
     ::sigaction(SIGTERM, &action, nullptr);
+    action.sa_handler = [](int) {
+        late = 1;
+        interrupted = 1;
+    };
+    ::sigaction(SIGALRM, &action, nullptr);
+    ::alarm(static_cast<unsigned>(seconds) + grace_s);  // so that no drone, namespace or sshd stays
     options.interrupted = [] { return interrupted != 0; };
+    int code = 1;
     try {
-        return hive::soak::Soak(options, std::cout).run();
+        code = hive::soak::Soak(options, std::cout).run();
     } catch (const std::exception& error) {
         std::cerr << "soak: the swarm did not start: " << error.what() << std::endl;
-        return interrupted != 0 ? 0 : 1;
+        code = interrupted != 0 ? 0 : 1;
     }
+    if (late == 0)
+        return code;
+    std::cerr << "soak: not done " << grace_s << " s after its time" << std::endl;
+    return 1;
 }

@@ -62,7 +62,10 @@ void sleeper(hive::Drone& drone)
                                      "in the header: seq and index of the input, its age when the work was done");
     drone.on_start([&] { std::this_thread::sleep_for(std::chrono::milliseconds(start_ms)); });
     drone.on_change([&] {
-        held = std::vector<char>(std::size_t(holds_mb) * 1'000'000, 'x');
+        if (const auto size = std::size_t(holds_mb) * 1'000'000; size != held.size()) {
+            std::vector<char>().swap(held);  // first, so that it never has both
+            held.assign(size, 'x');
+        }
         work_ms -= work_ms % step_ms;
         if (work_ms > most_ms)
             throw std::runtime_error("work_ms " + std::to_string(work_ms) + " is more than " + std::to_string(most_ms));
