@@ -44,11 +44,12 @@ Clock::duration seconds(double count)
 RecordDrone::RecordDrone(hive::Drone& drone) : drone_(drone), remembered_(drone.remembered("file"))
 {
     drone_.parameter("file", file_, hive::anything().by_operator(),
-                     "recording file; a new path starts a new recording; empty: stop");
+                     "recording file; a new path stops this recording and starts another; empty: stop");
     drone_.parameter("overwrite", overwrite_, hive::anything().by_operator(), "replace an existing file");
-    drone_.parameter("max_size", max_size_, hive::at_least(0).in("MB"), "maximum file size; 0: no limit");
+    drone_.parameter("max_size", max_size_, hive::at_least(0).in("MB"),
+                     "stop the recording before the file is larger than this; 0: no limit");
     drone_.parameter("max_duration", max_duration_, hive::at_least(0).in("s"),
-                     "maximum duration from the first event; 0: no limit");
+                     "stop the recording this long after its first event; 0: no limit");
     drone_.parameter("sync", sync_, hive::between(0, 3600).in("s"),
                      "interval between flushes to disk; 0: left to the system");
     drone_.parameter("when", when_, hive::anything(),

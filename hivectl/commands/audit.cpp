@@ -126,9 +126,9 @@ Verb verb()
             "All drones are queried three times. A receiver must have processed, at the second query, at least what "
             "its sender knew of at the first and at most what the sender had sent at the third; so a running swarm "
             "causes no false alarm. After a restart, only events that both ends saw are compared. STATE: both ends; "
-            "sender only, if the receiver is an application or does not answer; receiver gone; sender gone; closed, "
-            "for "
-            "what an input lost in connections that no longer exist.\n\n"
+            "sender only, if the receiver is an application or does not answer; receiver gone; sender gone; "
+            "closed: FROM is \"closed connections\", and the row has what an input lost in connections that no longer "
+            "exist, or of what hivectl put sent.\n\n"
             "The exit code is 9 if anything was lost or the ends disagree, otherwise 0; with --watch, that of the last "
             "table.",
         .examples = "hivectl audit\n"

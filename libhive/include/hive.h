@@ -116,8 +116,9 @@ HIVE_API hive_code hive_event_header(const hive_event* event, const char** json,
 HIVE_API hive_code hive_event_bytes(const hive_event* event, const void** bytes, size_t* size);
 /* The body as a separate handle: it keeps memory of the sender, but not the event. */
 HIVE_API hive_code hive_event_body(const hive_event* event, hive_body** body);
-/* While an event handle exists, the event counts as in progress, and its sender holds back the next one. Afterwards it
-   does not. In a callback it takes effect when the callback returns. */
+/* Ends the use of an event: it no longer counts as in progress, and its sender may send the next one. Until this call
+   it does, as long as a handle exists. The handle stays readable. In a callback it takes effect when the callback
+   returns. */
 HIVE_API hive_code hive_event_done(hive_event* event);
 
 /* Immutable bytes, shared by all their handles. From any thread. */

@@ -16,7 +16,8 @@ struct AuditLoss {
     bool promised = true;  ///< false: the options or the receiver allow it, such as skipped events of a live source
 };
 
-/// One connection, or a group as a whole; or the connections of an input that were closed, if they have lost events.
+/// One connection, or a group as a whole; or what an input lost in connections that were closed, or of what hivectl put
+/// sent.
 struct AuditRow {
     ConnectionEnds ends{};
     bool sender_answers = false;

@@ -161,7 +161,7 @@ struct Status {
     std::int64_t source_events = 0;  ///< total of the current source; 0: unknown or unlimited
     std::vector<OutputStatus> outputs{};
     std::vector<InputStatus> inputs{};
-    std::vector<InputStatus> left{};  ///< counters of closed connections: one row per input
+    std::vector<InputStatus> left{};  ///< counters of closed connections and of puts: one row per input
     std::vector<MatchingStatus> matching{};
     std::optional<ExceptionStatus> last_exception{};
     std::int64_t rows_left_out = 0;     ///< rows of inputs, left and edges beyond this answer
