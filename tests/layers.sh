@@ -34,7 +34,8 @@ refuse "service and manager are siblings" "$of_service|hive/vision/" libhive/man
 refuse "vision converts events alone" "$of_service|$of_manager|hive/(transport|discovery|protocol)/" libhive/vision "$headers/vision"
 refuse "hivectl uses the public API alone, and changes keys" "hive/(transport/(?!(key|folder_lock)\.hpp)|(discovery|event|protocol|vision)/)|$of_service" hivectl
 refuse "drones use the public API and vision alone" "hive/(transport|discovery|event|protocol)/|$of_manager" drones
-refuse "language stands on the public API alone" '(hive/(transport|discovery|event|protocol|vision|recording)/|asio|opencv|CLI/|spdlog)' libhive/language
+refuse "language stands on the public API alone" '(hive/(transport|discovery|event|protocol|vision|recording)/|asio|opencv|CLI/|spdlog)' libhive/language libhive/include/hive.h libhive/include/hive_swarm.h
+refuse "the headers for C include C alone" 'hive/' libhive/include/hive.h libhive/include/hive_swarm.h
 refuse "nothing of Hive itself is written against hive.h" 'hive\.h[">]' protocol libhive/transport libhive/discovery libhive/event libhive/service libhive/manager libhive/vision libhive/recording hivectl drones
 refuse "recordings are made by who uses the public API" 'hive/recording/' protocol libhive/transport libhive/discovery libhive/event libhive/service libhive/manager libhive/vision
 refuse "recording uses the public API alone" "hive/(transport|discovery|event|protocol|vision)/|$of_service|$of_manager" libhive/recording
@@ -62,6 +63,11 @@ fi
 
 if LC_ALL=C.UTF-8 grep -nE '^[^|].{120,}$' README.md || [ "$(wc -l < README.md)" -gt 200 ]; then
     echo "layers: README.md is read in a terminal: lines of at most 120 characters, and at most 200 of them" >&2
+    failures=$((failures + 1))
+fi
+
+if grep -rnE --include='*.md' --exclude-dir=build --exclude-dir=.git '^(MEASURED|CALCULATED|TODO)$' .; then
+    echo "layers: a page lacks what was to be filled in" >&2
     failures=$((failures + 1))
 fi
 
