@@ -174,8 +174,11 @@ std::uintmax_t FailureStore::unfinished_bytes() const
             continue;
         const auto pid = number_of(name.substr(unfinished.size(), name.rfind('-') - unfinished.size()));
         // Its pid may be that of another process by now, but no writer pauses that long.
-        if (platform::process_ends(pid)
-            || entry.last_write_time(ignored) < fs::file_time_type::clock::now() - std::chrono::minutes(1))
+        constexpr int longest_pause_s = 60;
+        struct stat about {};
+        const bool stale =
+            ::stat(entry.path().c_str(), &about) == 0 && about.st_mtime < wall_us() / 1'000'000 - longest_pause_s;
+        if (stale || platform::process_ends(pid))
             fs::remove(entry.path(), ignored);
         else if (const auto size = entry.file_size(ignored); !ignored)
             bytes += size;

@@ -148,7 +148,7 @@ TEST_CASE("failure store: a process that is suspended with the lock delays other
         FAIL("kept");
     } catch (const Error& error) {
         CHECK(error.code() == Errc::timeout);
-        CHECK(std::string(error.what()).find("another process keeps ") == 0);
+        CHECK(std::string(error.what()).find("another process has locked ") == 0);
     }
     const auto waited = std::chrono::steady_clock::now() - begin;
     CHECK(waited >= FailureStore::max_wait);
