@@ -143,7 +143,8 @@ def edges(browser, dash):
     page.click("#panel li button", "camera.image → worker.image")
     page.see("#panel .counts", "acknowledged")
     page.see("#panel .counts caption", "nothing lost")
-    page.see("#panel", "Nothing holds it up.")
+    held_up = "/Nothing holds it up|processors of this machine are busy/"  # by what else runs here, if by anything
+    page.until(f"{held_up}.test(document.querySelector('#panel').textContent)")
     page.until("document.querySelector('#edge-window').value === '2'")
     page.type("#edge-window", "4")
     page.see("#panel .answer.good", "changed")

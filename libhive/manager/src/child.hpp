@@ -32,7 +32,7 @@ public:
     Child& operator=(Child&& other) noexcept;
 
     [[nodiscard]] pid_t pid() const { return pid_; }
-    /// A pidfd, readable when it has exited; open from now on, until let_go(). Throws Errc::io.
+    /// A pidfd, readable when it has exited; open from now on, until let_go(). -1: it has exited. Throws Errc::io.
     [[nodiscard]] int descriptor();
     /// Closes the descriptor: who runs a thousand children and waits for none of them needs none.
     void let_go() { descriptor_ = {}; }

@@ -59,6 +59,8 @@ void Inquiry::wait(Clock::time_point until, const std::vector<int>& descriptors)
         const auto& reply = entry.second.reply;
         return reply && reply->has_value();
     };
+    if (std::ranges::find(descriptors, -1) != descriptors.end())
+        return;
     event::wait(
         core_.module.loop(), until, [&] { return std::ranges::any_of(asked_, answered); }, descriptors);
 }

@@ -25,7 +25,7 @@ public:
     void ask(const std::vector<std::string>& drones, std::chrono::milliseconds limit);
     /// The answers since the last call, each with the first page of its rows.
     std::vector<StatusAnswer> take();
-    /// Waits until an answer has arrived, a descriptor is readable, or that time.
+    /// Waits until an answer has arrived, a descriptor is readable or -1 (of a process that has exited), or that time.
     void wait(Clock::time_point until, const std::vector<int>& descriptors);
 
 private:
