@@ -183,7 +183,7 @@ def restarts(browser, dash):
     os.kill(json.loads(hivectl("ps", "camera", "--json"))[0]["pid"], signal.SIGKILL)
     eventually(lambda: state("camera") in (None, "crashed"))
     hivectl("start", "camera")
-    drawn = "Number(document.querySelector('#panel canvas')?.dataset.images)"
+    drawn = "Number(document.querySelector('#panel canvas')?.dataset.images ?? 0)"  # 0: the panel is being drawn
     count = page.run(drawn)
     page.until(f"{drawn} > {count + 3}", 30)
     dash.kill()
