@@ -49,7 +49,7 @@ TEST_CASE("rerun: another build, words before the drone, a kind that is said, an
     const auto wrong = swarm.hivectl({"rerun", "victim", "--kind", "breaker", "matched=true"}, 30s);
     CHECK(wrong.exit_code == 3);
     CHECK(has(wrong.err, "no input image"));
-    CHECK(swarm.hivectl({"rerun", "nobody"}).exit_code == 3);
+    CHECK(swarm.hivectl({"rerun", "unknown"}).exit_code == 3);
 }
 
 TEST_CASE("rerun: Ctrl-C ends the fresh drone and removes its home")
@@ -190,7 +190,7 @@ TEST_CASE("rerun: a failure that another machine keeps is fetched over ssh, and 
     CHECK(missing.exit_code == 3);
     CHECK(has(missing.err, "gpu1: of victim no failure 7 is kept, but 1"));
     CHECK(has(ssh.hivectl({"rerun", "victim", "--on", "bare"}).err, "no hivectl on bare"));
-    CHECK(ssh.hivectl({"rerun", "victim", "--on", "nobody"}).exit_code == 4);
+    CHECK(ssh.hivectl({"rerun", "victim", "--on", "unknown"}).exit_code == 4);
     CHECK(ssh.hivectl({"rerun", "victim", "--on", "-oProxyCommand=touch x"}).exit_code == 2);
     CHECK(ssh.hivectl({"rerun", "../victim", "--on", "me@gpu1"}).exit_code != 0);
     CHECK(temp.empty());

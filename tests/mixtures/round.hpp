@@ -46,7 +46,7 @@ public:
     /// One step that need not be of the plan.
     /// @param last  a check afterwards waits until everything is there and connected
     Problems one(const Step& step, bool last);
-    /// What has not come of an earlier run of the source, which produced so many events.
+    /// The events that are missing of an earlier run of the source, which produced that many.
     [[nodiscard]] Problems missing_of(std::int64_t epoch, std::int64_t produced) const
     {
         return model_.missing(epoch, produced);

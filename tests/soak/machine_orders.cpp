@@ -151,7 +151,7 @@ void Machines::feed(int events)
 void Machines::fail(const std::string& drone)
 {
     if (!test::eventually([&] { return heard(statuses(), drone); }))
-        throw std::runtime_error("nobody receives the exceptions of " + drone);
+        throw std::runtime_error("no application receives the exceptions of " + drone);
     const auto abandoned = [&] {
         std::int64_t sum = 0;
         for (const auto& input : local(drone).status(drone).inputs)

@@ -21,7 +21,7 @@ struct Came {
     std::map<std::string, std::int64_t> given_up;  ///< of events that it gave up, likewise
 };
 
-/// A process that exited is none, also if nobody has waited for it.
+/// False for a process that has exited, even before it was reaped.
 bool runs(pid_t pid);
 
 class Machines final : public mixtures::Ground {

@@ -135,7 +135,7 @@ private:
     ReceiverId next_id_ = 0;
     std::int64_t produced_ = 0;
     std::int64_t last_emitted_us_ = 0;
-    bool lossless_ = false;  ///< the newest event
+    bool lossless_ = false;  ///< was the last emitted event lossless?
     protocol::End end_;
     std::atomic<bool> wanted_ = false, received_ = false, asked_ = false, backlogged_ = false, shares_ = false,
                       fans_out_ = false;
