@@ -1,10 +1,10 @@
 // Finds the verb, reads its command line, runs it, and turns every failure into a sentence and an exit code.
-#include "command_line.hpp"
-#include "exit_code.hpp"
-#include "help.hpp"
-#include "interrupt.hpp"
-#include "output.hpp"
-#include "session.hpp"
+#include "run/command_line.hpp"
+#include "words/exit_code.hpp"
+#include "run/help.hpp"
+#include "run/interrupt.hpp"
+#include "words/output.hpp"
+#include "run/session.hpp"
 #include "verbs.hpp"
 
 #include <hive/name.hpp>

@@ -1,8 +1,8 @@
 // Creates the list of verbs, and finds one by name.
 #include "verbs.hpp"
 
-#include "command_line.hpp"
-#include "session.hpp"
+#include "run/command_line.hpp"
+#include "run/session.hpp"
 
 #include <algorithm>
 

@@ -1,7 +1,7 @@
 // Tests of joining both ends' counts, of rates between two looks, and of the reasons in plain words.
-#include "activity.hpp"
-#include "connections.hpp"
-#include "rates.hpp"
+#include "words/activity.hpp"
+#include "words/connections.hpp"
+#include "words/rates.hpp"
 
 #include <hive/stall.hpp>
 

@@ -1,5 +1,5 @@
 // Tests of exit codes and of the sentences for errors.
-#include "exit_code.hpp"
+#include "words/exit_code.hpp"
 #include "programs_for_tests.hpp"
 
 #include <doctest/doctest.h>

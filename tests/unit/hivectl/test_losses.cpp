@@ -1,5 +1,5 @@
 // Tests of what senders say that hivectl did not get.
-#include "losses.hpp"
+#include "words/losses.hpp"
 
 #include <doctest/doctest.h>
 

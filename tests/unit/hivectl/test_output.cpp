@@ -1,6 +1,6 @@
 // Tests of escapes and of numbers for people.
-#include "format.hpp"
-#include "output.hpp"
+#include "words/format.hpp"
+#include "words/output.hpp"
 
 #include <doctest/doctest.h>
 

@@ -1,5 +1,5 @@
 // Tests of raw pixels as PNG, read back by libpng.
-#include "raw_image.hpp"
+#include "words/raw_image.hpp"
 
 #include <hive/error.hpp>
 

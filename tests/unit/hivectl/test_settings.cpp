@@ -1,6 +1,6 @@
 // Tests of key=value and of file endings.
-#include "media_type.hpp"
-#include "settings.hpp"
+#include "words/media_type.hpp"
+#include "words/settings.hpp"
 
 #include <hive/error.hpp>
 

@@ -1,6 +1,6 @@
 // Tests of tables and their JSON twin.
-#include "format.hpp"
-#include "table.hpp"
+#include "words/format.hpp"
+#include "words/table.hpp"
 
 #include <doctest/doctest.h>
 

@@ -1,5 +1,5 @@
 // What is made of the answers of a camera's driver; here the driver is made up.
-#include "video_device.hpp"
+#include "words/video_device.hpp"
 
 #include <doctest/doctest.h>
 

@@ -1,0 +1,130 @@
+// Advice for errors at a shell, and the exit code of a verb with several subjects.
+#include "words/exit_code.hpp"
+
+#include "words/output.hpp"
+
+#include <hive/failure.hpp>
+#include <hive/program.hpp>
+
+#include <array>
+#include <sstream>
+
+namespace hivectl {
+namespace {
+
+using hive::Errc;
+
+bool as_json = false;  ///< failures
+
+struct Entry {
+    Errc code;
+    std::string_view advice;  ///< a command, with DRONE for the drone's name; empty if only the error text has it
+};
+
+constexpr std::array table{
+    Entry{Errc::invalid_argument, ""},
+    Entry{Errc::not_found, "see the names: hivectl ps, hivectl describe DRONE"},
+    Entry{Errc::unreachable, "see what runs: hivectl ps"},
+    Entry{Errc::connection_lost, "see whether it still runs: hivectl ps"},
+    Entry{Errc::timeout, "see what it is busy with: hivectl ps, or allow more time: --timeout SECONDS"},
+    Entry{Errc::refused, ""},
+    Entry{Errc::type_mismatch, "see the ports: hivectl describe DRONE"},
+    Entry{Errc::halted, "resume it: hivectl resume DRONE"},
+    Entry{Errc::locked, "try again, or allow more time: --timeout SECONDS"},
+    Entry{Errc::name_taken, "choose another name: --as NAME, or stop that drone: hivectl stop NAME"},
+    Entry{Errc::not_permitted, "use the account that started the drone"},
+    Entry{Errc::too_large, "send less"},
+    Entry{Errc::malformed, ""},
+    Entry{Errc::version_mismatch, "use a hivectl and drones of the same version"},
+    Entry{Errc::unsupported, "use a hivectl and drones of the same version"},
+    Entry{Errc::failed, "see its exceptions: hivectl exceptions DRONE"},
+    Entry{Errc::abandoned, "see the exceptions: hivectl exceptions"},
+    Entry{Errc::stopped, ""},
+    Entry{Errc::io, ""},
+};
+
+constexpr bool in_order()
+{
+    for (std::size_t i = 0; i < table.size(); ++i)
+        if (static_cast<std::size_t>(table[i].code) != i)
+            return false;
+    return true;
+}
+static_assert(in_order(), "the table is indexed by the enumerator");
+static_assert(table.size() == static_cast<std::size_t>(Errc::io) + 1);
+
+/// @param subject  "face" or "face.image"; empty: unknown
+std::string usual_advice(Errc code, std::string_view subject)
+{
+    constexpr std::string_view place = "DRONE";
+    std::string advice(table[static_cast<std::size_t>(code)].advice);
+    const std::string drone(subject.empty() ? "NAME" : subject.substr(0, subject.find('.')));
+    if (const auto at = advice.find(place); at != std::string::npos)
+        advice.replace(at, place.size(), drone);
+    return advice;
+}
+
+}  // namespace
+
+int exit_code_of(Errc code) noexcept { return hive::info(code).exit_code; }
+
+std::string advice_for_missing(const std::string& drone)
+{
+    const auto kind = hive::kind_by_name(drone);
+    return kind ? "start it: " + hive::start_command(*kind, drone) : "see what runs: hivectl ps";
+}
+
+std::string explained(const hive::Error& error, std::string_view subject)
+{
+    const auto advice = error.advice().empty() ? usual_advice(error.code(), subject) : error.advice();
+    return printable(error.what() + (advice.empty() ? "" : "; " + advice));
+}
+
+void print_failures_as_json() { as_json = true; }
+
+void complain_about(std::string_view verb, const hive::Error& error, std::string_view subject)
+{
+    const std::string_view text = error.what();
+    if (as_json) {
+        const auto advice = error.advice().empty() ? usual_advice(error.code(), subject) : error.advice();
+        return write_error(json_text(hive::failure_json({error.code(), error.what(), advice}, std::string(subject)))
+                           + "\n");
+    }
+    const auto before = text.find(subject) == std::string_view::npos ? std::string(subject) + ": " : "";
+    if (text.find('\n') == std::string_view::npos)
+        return complain(verb, printable(before) + explained(error, subject));
+    // The text may include the last lines of a log.
+    std::istringstream lines(before + error.what() + (error.advice().empty() ? "" : "\n" + error.advice()));
+    std::string indent;
+    for (std::string line; std::getline(lines, line); indent = "  ")
+        complain(verb, indent + printable(line));
+}
+
+void Outcome::failed(std::string_view subject, const hive::Error& error)
+{
+    codes_.insert(exit_code_of(error.code()));
+    complain_about(verb_, error, subject);
+}
+
+int exit_code_of_failure(std::string_view verb, std::string_view subject, const hive::Error& error)
+{
+    Outcome outcome(verb);
+    outcome.failed(subject, error);
+    return outcome.exit_code();
+}
+
+int Outcome::exit_code(int code) const
+{
+    return code == exit_code::done && !codes_.empty() ? exit_code::partly_done : code;
+}
+
+int Outcome::exit_code() const
+{
+    if (codes_.empty())
+        return exit_code::done;
+    if (done_ > 0)
+        return exit_code::partly_done;
+    return codes_.size() == 1 ? *codes_.begin() : exit_code::failure;
+}
+
+}  // namespace hivectl
