@@ -1,12 +1,12 @@
 // hivectl advise: shows where the time of events goes, and predicts the effect of changes.
-#include "../command_line.hpp"
-#include "../exit_code.hpp"
-#include "../format.hpp"
-#include "../output.hpp"
-#include "../session.hpp"
-#include "../status_line.hpp"
-#include "../table.hpp"
 #include "../verbs.hpp"
+#include "run/command_line.hpp"
+#include "run/session.hpp"
+#include "words/exit_code.hpp"
+#include "words/format.hpp"
+#include "words/output.hpp"
+#include "words/status_line.hpp"
+#include "words/table.hpp"
 
 #include <hive/advise.hpp>
 

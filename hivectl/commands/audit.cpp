@@ -1,12 +1,12 @@
 // hivectl audit: checks whether anything was lost.
-#include "../command_line.hpp"
-#include "../exit_code.hpp"
-#include "../format.hpp"
-#include "../interrupt.hpp"
-#include "../output.hpp"
-#include "../session.hpp"
-#include "../table.hpp"
 #include "../verbs.hpp"
+#include "run/command_line.hpp"
+#include "run/interrupt.hpp"
+#include "run/session.hpp"
+#include "words/exit_code.hpp"
+#include "words/format.hpp"
+#include "words/output.hpp"
+#include "words/table.hpp"
 
 #include <hive/audit.hpp>
 

@@ -1,11 +1,11 @@
 // hivectl check: finds the errors in a swarm file.
-#include "../command_line.hpp"
-#include "../exit_code.hpp"
-#include "../output.hpp"
-#include "../session.hpp"
-#include "../swarm_file.hpp"
-#include "../table.hpp"
 #include "../verbs.hpp"
+#include "run/command_line.hpp"
+#include "run/session.hpp"
+#include "run/swarm_file.hpp"
+#include "words/exit_code.hpp"
+#include "words/output.hpp"
+#include "words/table.hpp"
 
 namespace hivectl::check_verb {
 namespace {

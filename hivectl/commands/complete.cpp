@@ -1,11 +1,11 @@
 // hivectl complete: prints the completions of an unfinished command line for the completion scripts.
-#include "../command_line.hpp"
-#include "../exit_code.hpp"
-#include "../output.hpp"
-#include "../session.hpp"
-#include "../table.hpp"
-#include "../targets.hpp"
 #include "../verbs.hpp"
+#include "run/command_line.hpp"
+#include "run/session.hpp"
+#include "words/exit_code.hpp"
+#include "words/output.hpp"
+#include "words/table.hpp"
+#include "words/targets.hpp"
 
 #include <hive/program.hpp>
 

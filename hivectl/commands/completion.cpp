@@ -1,10 +1,10 @@
 // hivectl completion: prints the scripts that make a shell complete verbs, drones, ports and parameters.
-#include "../command_line.hpp"
-#include "../exit_code.hpp"
-#include "../output.hpp"
-#include "../session.hpp"
-#include "../table.hpp"
 #include "../verbs.hpp"
+#include "run/command_line.hpp"
+#include "run/session.hpp"
+#include "words/exit_code.hpp"
+#include "words/output.hpp"
+#include "words/table.hpp"
 
 namespace hivectl::completion_verb {
 namespace {

@@ -1,13 +1,13 @@
 // hivectl connections: lists the connections, with the counters of both ends.
-#include "../command_line.hpp"
-#include "../connections.hpp"
-#include "../exit_code.hpp"
-#include "../format.hpp"
-#include "../output.hpp"
-#include "../places.hpp"
-#include "../session.hpp"
-#include "../targets.hpp"
+#include "words/connections.hpp"
 #include "../verbs.hpp"
+#include "run/command_line.hpp"
+#include "run/session.hpp"
+#include "words/exit_code.hpp"
+#include "words/format.hpp"
+#include "words/output.hpp"
+#include "words/places.hpp"
+#include "words/targets.hpp"
 
 #include <algorithm>
 

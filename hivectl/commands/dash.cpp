@@ -1,13 +1,13 @@
 // hivectl dash: shows and changes the swarm in a browser.
-#include "../command_line.hpp"
 #include "../dash/site.hpp"
 #include "../dash/token.hpp"
-#include "../exit_code.hpp"
-#include "../interrupt.hpp"
-#include "../output.hpp"
-#include "../session.hpp"
-#include "../table.hpp"
 #include "../verbs.hpp"
+#include "run/command_line.hpp"
+#include "run/interrupt.hpp"
+#include "run/session.hpp"
+#include "words/exit_code.hpp"
+#include "words/output.hpp"
+#include "words/table.hpp"
 
 namespace hivectl::dash_verb {
 namespace {

@@ -1,11 +1,11 @@
 // hivectl devices: lists the V4L2 cameras of this machine, with formats, sizes and rates.
-#include "../command_line.hpp"
-#include "../exit_code.hpp"
-#include "../output.hpp"
-#include "../session.hpp"
-#include "../table.hpp"
 #include "../verbs.hpp"
-#include "../video_device.hpp"
+#include "run/command_line.hpp"
+#include "run/session.hpp"
+#include "words/exit_code.hpp"
+#include "words/output.hpp"
+#include "words/table.hpp"
+#include "words/video_device.hpp"
 
 #include <hive/error.hpp>
 

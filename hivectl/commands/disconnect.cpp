@@ -1,12 +1,12 @@
 // hivectl disconnect: removes a connection, or makes a source stop waiting for a receiver that is gone.
-#include "../command_line.hpp"
-#include "../exit_code.hpp"
-#include "../output.hpp"
-#include "../session.hpp"
-#include "../status_line.hpp"
-#include "../table.hpp"
-#include "../targets.hpp"
 #include "../verbs.hpp"
+#include "run/command_line.hpp"
+#include "run/session.hpp"
+#include "words/exit_code.hpp"
+#include "words/output.hpp"
+#include "words/status_line.hpp"
+#include "words/table.hpp"
+#include "words/targets.hpp"
 
 namespace hivectl::disconnect_verb {
 namespace {

@@ -1,13 +1,13 @@
 // hivectl down: stops the drones that a swarm brought up.
-#include "../command_line.hpp"
-#include "../exit_code.hpp"
-#include "../interrupt.hpp"
-#include "../output.hpp"
-#include "../session.hpp"
-#include "../swarm_file.hpp"
-#include "../swarm_work.hpp"
-#include "../table.hpp"
 #include "../verbs.hpp"
+#include "run/command_line.hpp"
+#include "run/interrupt.hpp"
+#include "run/session.hpp"
+#include "run/swarm_file.hpp"
+#include "run/swarm_work.hpp"
+#include "words/exit_code.hpp"
+#include "words/output.hpp"
+#include "words/table.hpp"
 
 #include <hive/swarm.hpp>
 

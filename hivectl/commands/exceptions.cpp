@@ -1,15 +1,15 @@
 // hivectl exceptions: shows drones' exceptions, or sets their exception policy.
-#include "../command_line.hpp"
-#include "../exception_json.hpp"
-#include "../exit_code.hpp"
-#include "../format.hpp"
-#include "../kept_inputs.hpp"
-#include "../output.hpp"
-#include "../printing.hpp"
-#include "../session.hpp"
-#include "../table.hpp"
-#include "../targets.hpp"
 #include "../verbs.hpp"
+#include "run/command_line.hpp"
+#include "run/exception_json.hpp"
+#include "run/kept_inputs.hpp"
+#include "run/printing.hpp"
+#include "run/session.hpp"
+#include "words/exit_code.hpp"
+#include "words/format.hpp"
+#include "words/output.hpp"
+#include "words/table.hpp"
+#include "words/targets.hpp"
 
 #include <algorithm>
 

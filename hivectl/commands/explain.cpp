@@ -1,13 +1,13 @@
 // hivectl explain: shows why nothing arrives, or the rates.
-#include "../command_line.hpp"
-#include "../exit_code.hpp"
-#include "../format.hpp"
-#include "../output.hpp"
-#include "../session.hpp"
-#include "../status_line.hpp"
-#include "../table.hpp"
-#include "../targets.hpp"
 #include "../verbs.hpp"
+#include "run/command_line.hpp"
+#include "run/session.hpp"
+#include "words/exit_code.hpp"
+#include "words/format.hpp"
+#include "words/output.hpp"
+#include "words/status_line.hpp"
+#include "words/table.hpp"
+#include "words/targets.hpp"
 
 #include <hive/explain.hpp>
 

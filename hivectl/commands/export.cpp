@@ -1,12 +1,12 @@
 // hivectl export: writes the running swarm as a swarm file, or for a service manager.
-#include "../command_line.hpp"
-#include "../exit_code.hpp"
-#include "../output.hpp"
-#include "../session.hpp"
-#include "../swarm_file.hpp"
-#include "../table.hpp"
-#include "../targets.hpp"
 #include "../verbs.hpp"
+#include "run/command_line.hpp"
+#include "run/session.hpp"
+#include "run/swarm_file.hpp"
+#include "words/exit_code.hpp"
+#include "words/output.hpp"
+#include "words/table.hpp"
+#include "words/targets.hpp"
 
 #include <hive/swarm.hpp>
 #include <hive/swarm_export.hpp>

@@ -1,13 +1,13 @@
 // hivectl get: reads parameters.
-#include "../command_line.hpp"
-#include "../exit_code.hpp"
-#include "../output.hpp"
-#include "../session.hpp"
-#include "../settings.hpp"
-#include "../status_line.hpp"
-#include "../table.hpp"
-#include "../targets.hpp"
 #include "../verbs.hpp"
+#include "run/command_line.hpp"
+#include "run/session.hpp"
+#include "words/exit_code.hpp"
+#include "words/output.hpp"
+#include "words/settings.hpp"
+#include "words/status_line.hpp"
+#include "words/table.hpp"
+#include "words/targets.hpp"
 
 namespace hivectl::get_verb {
 namespace {

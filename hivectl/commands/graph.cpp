@@ -1,10 +1,10 @@
 // hivectl graph: prints the graph of the swarm.
-#include "../command_line.hpp"
-#include "../drawing.hpp"
-#include "../exit_code.hpp"
-#include "../output.hpp"
-#include "../session.hpp"
 #include "../verbs.hpp"
+#include "run/command_line.hpp"
+#include "run/drawing.hpp"
+#include "run/session.hpp"
+#include "words/exit_code.hpp"
+#include "words/output.hpp"
 
 #include <hive/graph.hpp>
 

@@ -1,6 +1,6 @@
 // hivectl halt: makes drones stop taking events.
-#include "../each_drone.hpp"
 #include "../verbs.hpp"
+#include "run/each_drone.hpp"
 
 namespace hivectl::halt_verb {
 

@@ -1,11 +1,11 @@
 // hivectl key: creates, rotates and shows the swarm's key file, and derives a read-only key for viewers.
-#include "../command_line.hpp"
-#include "../exit_code.hpp"
-#include "../format.hpp"
-#include "../output.hpp"
-#include "../session.hpp"
-#include "../table.hpp"
 #include "../verbs.hpp"
+#include "run/command_line.hpp"
+#include "run/session.hpp"
+#include "words/exit_code.hpp"
+#include "words/format.hpp"
+#include "words/output.hpp"
+#include "words/table.hpp"
 
 #include <hive/remote.hpp>
 #include <hive/transport/folder_lock.hpp>

@@ -1,15 +1,15 @@
 // hivectl logs: prints a drone's log, wherever it runs.
-#include "../command_line.hpp"
-#include "../exit_code.hpp"
-#include "../interrupt.hpp"
-#include "../output.hpp"
-#include "../places.hpp"
-#include "../remote_verb.hpp"
-#include "../session.hpp"
-#include "../status_line.hpp"
-#include "../table.hpp"
-#include "../targets.hpp"
 #include "../verbs.hpp"
+#include "run/command_line.hpp"
+#include "run/interrupt.hpp"
+#include "run/remote_verb.hpp"
+#include "run/session.hpp"
+#include "words/exit_code.hpp"
+#include "words/output.hpp"
+#include "words/places.hpp"
+#include "words/status_line.hpp"
+#include "words/table.hpp"
+#include "words/targets.hpp"
 
 #include <hive/name.hpp>
 #include <hive/remote.hpp>

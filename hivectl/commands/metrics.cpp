@@ -1,13 +1,13 @@
 // hivectl metrics: prints or serves the swarm's metrics for Prometheus.
-#include "../command_line.hpp"
-#include "../exit_code.hpp"
-#include "../file_text.hpp"
-#include "../interrupt.hpp"
-#include "../metrics_site.hpp"
-#include "../output.hpp"
-#include "../places.hpp"
-#include "../session.hpp"
 #include "../verbs.hpp"
+#include "run/command_line.hpp"
+#include "run/interrupt.hpp"
+#include "run/metrics_site.hpp"
+#include "run/session.hpp"
+#include "words/exit_code.hpp"
+#include "words/file_text.hpp"
+#include "words/output.hpp"
+#include "words/places.hpp"
 
 #include <hive/http/server.hpp>
 #include <hive/metrics.hpp>

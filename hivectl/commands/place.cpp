@@ -1,13 +1,13 @@
 // hivectl place: manages the addresses of drones on other machines.
-#include "../command_line.hpp"
-#include "../exit_code.hpp"
-#include "../format.hpp"
-#include "../output.hpp"
-#include "../places.hpp"
-#include "../session.hpp"
-#include "../table.hpp"
-#include "../targets.hpp"
 #include "../verbs.hpp"
+#include "run/command_line.hpp"
+#include "run/session.hpp"
+#include "words/exit_code.hpp"
+#include "words/format.hpp"
+#include "words/output.hpp"
+#include "words/places.hpp"
+#include "words/table.hpp"
+#include "words/targets.hpp"
 
 #include <hive/name.hpp>
 

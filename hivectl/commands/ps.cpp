@@ -1,15 +1,15 @@
 // hivectl ps: lists the running drones and their state.
-#include "../activity.hpp"
-#include "../command_line.hpp"
-#include "../exception_json.hpp"
-#include "../exit_code.hpp"
-#include "../format.hpp"
-#include "../output.hpp"
-#include "../places.hpp"
-#include "../session.hpp"
-#include "../table.hpp"
-#include "../targets.hpp"
 #include "../verbs.hpp"
+#include "run/command_line.hpp"
+#include "run/exception_json.hpp"
+#include "run/session.hpp"
+#include "words/activity.hpp"
+#include "words/exit_code.hpp"
+#include "words/format.hpp"
+#include "words/output.hpp"
+#include "words/places.hpp"
+#include "words/table.hpp"
+#include "words/targets.hpp"
 
 #include <hive/name.hpp>
 #include <hive/stall.hpp>

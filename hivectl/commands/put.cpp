@@ -1,14 +1,14 @@
 // hivectl put: sends one file to a drone.
-#include "../command_line.hpp"
-#include "../exit_code.hpp"
-#include "../file_text.hpp"
-#include "../media_type.hpp"
-#include "../output.hpp"
-#include "../session.hpp"
-#include "../status_line.hpp"
-#include "../table.hpp"
-#include "../targets.hpp"
 #include "../verbs.hpp"
+#include "run/command_line.hpp"
+#include "run/session.hpp"
+#include "words/exit_code.hpp"
+#include "words/file_text.hpp"
+#include "words/media_type.hpp"
+#include "words/output.hpp"
+#include "words/status_line.hpp"
+#include "words/table.hpp"
+#include "words/targets.hpp"
 
 namespace hivectl::put_verb {
 namespace {

@@ -1,9 +1,9 @@
 // hivectl replace: replaces a running drone with a new process.
-#include "../command_line.hpp"
-#include "../launch.hpp"
-#include "../session.hpp"
-#include "../settings.hpp"
 #include "../verbs.hpp"
+#include "run/command_line.hpp"
+#include "run/launch.hpp"
+#include "run/session.hpp"
+#include "words/settings.hpp"
 
 namespace hivectl::replace_verb {
 namespace {

@@ -1,12 +1,12 @@
 // hivectl replay: starts a drone that plays a recording, or describes the recording.
-#include "../command_line.hpp"
-#include "../exit_code.hpp"
-#include "../format.hpp"
-#include "../launch.hpp"
-#include "../output.hpp"
-#include "../session.hpp"
-#include "../table.hpp"
 #include "../verbs.hpp"
+#include "run/command_line.hpp"
+#include "run/launch.hpp"
+#include "run/session.hpp"
+#include "words/exit_code.hpp"
+#include "words/format.hpp"
+#include "words/output.hpp"
+#include "words/table.hpp"
 
 #include <hive/recording/reader.hpp>
 

@@ -1,15 +1,15 @@
 // hivectl rerun: feeds the inputs at which a drone failed to a fresh drone.
-#include "../command_line.hpp"
-#include "../exit_code.hpp"
-#include "../format.hpp"
-#include "../interrupt.hpp"
-#include "../kept_inputs.hpp"
-#include "../output.hpp"
-#include "../session.hpp"
-#include "../settings.hpp"
-#include "../status_line.hpp"
-#include "../table.hpp"
 #include "../verbs.hpp"
+#include "run/command_line.hpp"
+#include "run/interrupt.hpp"
+#include "run/kept_inputs.hpp"
+#include "run/session.hpp"
+#include "words/exit_code.hpp"
+#include "words/format.hpp"
+#include "words/output.hpp"
+#include "words/settings.hpp"
+#include "words/status_line.hpp"
+#include "words/table.hpp"
 
 #include <hive/rerun.hpp>
 

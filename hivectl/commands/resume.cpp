@@ -1,6 +1,6 @@
 // hivectl resume: makes halted drones continue.
-#include "../each_drone.hpp"
 #include "../verbs.hpp"
+#include "run/each_drone.hpp"
 
 namespace hivectl::resume_verb {
 

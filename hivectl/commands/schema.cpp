@@ -1,9 +1,9 @@
 // hivectl schema: prints the JSON Schema of swarm files, for editors.
-#include "../command_line.hpp"
-#include "../exit_code.hpp"
-#include "../output.hpp"
-#include "../session.hpp"
 #include "../verbs.hpp"
+#include "run/command_line.hpp"
+#include "run/session.hpp"
+#include "words/exit_code.hpp"
+#include "words/output.hpp"
 
 #include <hive/swarm_plan.hpp>
 

@@ -1,15 +1,15 @@
 // hivectl snap: saves one image.
-#include "../command_line.hpp"
-#include "../exit_code.hpp"
-#include "../media_type.hpp"
-#include "../output.hpp"
-#include "../raw_image.hpp"
-#include "../session.hpp"
-#include "../silence.hpp"
-#include "../status_line.hpp"
-#include "../table.hpp"
-#include "../targets.hpp"
 #include "../verbs.hpp"
+#include "run/command_line.hpp"
+#include "run/session.hpp"
+#include "run/silence.hpp"
+#include "words/exit_code.hpp"
+#include "words/media_type.hpp"
+#include "words/output.hpp"
+#include "words/raw_image.hpp"
+#include "words/status_line.hpp"
+#include "words/table.hpp"
+#include "words/targets.hpp"
 
 #include <cerrno>
 #include <cstring>

@@ -1,9 +1,9 @@
 // hivectl start: runs a drone in the background and returns when it answers.
-#include "../command_line.hpp"
-#include "../launch.hpp"
-#include "../session.hpp"
-#include "../settings.hpp"
 #include "../verbs.hpp"
+#include "run/command_line.hpp"
+#include "run/launch.hpp"
+#include "run/session.hpp"
+#include "words/settings.hpp"
 
 #include <hive/connection_option.hpp>
 #include <hive/program.hpp>

@@ -1,12 +1,12 @@
 // hivectl top: shows rates, refreshed at an interval.
-#include "../activity.hpp"
-#include "../command_line.hpp"
-#include "../exit_code.hpp"
-#include "../interrupt.hpp"
-#include "../output.hpp"
-#include "../rates.hpp"
-#include "../session.hpp"
 #include "../verbs.hpp"
+#include "run/command_line.hpp"
+#include "run/interrupt.hpp"
+#include "run/session.hpp"
+#include "words/activity.hpp"
+#include "words/exit_code.hpp"
+#include "words/output.hpp"
+#include "words/rates.hpp"
 
 namespace hivectl::top_verb {
 namespace {

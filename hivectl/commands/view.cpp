@@ -1,13 +1,13 @@
 // hivectl view: shows the images of a drone while the command runs.
-#include "../command_line.hpp"
-#include "../exit_code.hpp"
-#include "../interrupt.hpp"
-#include "../launch.hpp"
-#include "../output.hpp"
-#include "../session.hpp"
-#include "../table.hpp"
-#include "../targets.hpp"
 #include "../verbs.hpp"
+#include "run/command_line.hpp"
+#include "run/interrupt.hpp"
+#include "run/launch.hpp"
+#include "run/session.hpp"
+#include "words/exit_code.hpp"
+#include "words/output.hpp"
+#include "words/table.hpp"
+#include "words/targets.hpp"
 
 #include <hive/http/pass.hpp>
 

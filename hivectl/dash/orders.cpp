@@ -1,7 +1,7 @@
 #include "orders.hpp"
 
-#include "../interrupt.hpp"
-#include "../places.hpp"
+#include "run/interrupt.hpp"
+#include "words/places.hpp"
 
 #include <hive/explain.hpp>
 #include <hive/process.hpp>

@@ -2,9 +2,9 @@
 // on demand waits for its receivers, so there every frame is received at once.
 #include "pictures.hpp"
 
-#include "../places.hpp"
-#include "../silence.hpp"
 #include "own_name.hpp"
+#include "run/silence.hpp"
+#include "words/places.hpp"
 
 #include <hive/application.hpp>
 

@@ -1,9 +1,9 @@
 #include "site.hpp"
 
-#include "../output.hpp"
 #include "event_stream.hpp"
 #include "files.hpp"
 #include "orders.hpp"
+#include "words/output.hpp"
 
 #include <charconv>
 

@@ -1,9 +1,9 @@
 #include "snapshot.hpp"
 
-#include "../connections.hpp"
-#include "../exception_json.hpp"
-#include "../rates.hpp"
 #include "layout.hpp"
+#include "run/exception_json.hpp"
+#include "words/connections.hpp"
+#include "words/rates.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,6 @@
 #include "token.hpp"
 
-#include "../file_text.hpp"
+#include "words/file_text.hpp"
 
 #include <hive/error.hpp>
 #include <hive/http/pass.hpp>

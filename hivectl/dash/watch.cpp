@@ -1,9 +1,9 @@
 #include "watch.hpp"
 
-#include "../drawing.hpp"
-#include "../output.hpp"
 #include "layout.hpp"
 #include "own_name.hpp"
+#include "run/drawing.hpp"
+#include "words/output.hpp"
 
 #include <hive/transport/key.hpp>
 
