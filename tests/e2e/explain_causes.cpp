@@ -16,23 +16,6 @@ using namespace hive::test;
 using namespace std::chrono_literals;
 using hive::Json;
 
-namespace {
-
-/// The explanation, once it is this one.
-Found awaited(const Swarm& swarm, const std::string& words, const std::string& causes, Milliseconds patience = 15'000ms)
-{
-    Found now;
-    CHECK_MESSAGE(eventually([&] { return (now = found(swarm, words)).causes == causes; }, patience), now.text());
-    return now;
-}
-
-bool runs(const Swarm& swarm, const std::string& words)
-{
-    return eventually([&] { return found(swarm, words).runs(); });
-}
-
-}  // namespace
-
 TEST_CASE("explain: a drone that has crashed, with its signal and where (needs a build without sanitizers)")
 {
     if (!possible(missing_if_sanitized()))

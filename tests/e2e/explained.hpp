@@ -6,8 +6,6 @@
 
 #include <doctest/doctest.h>
 
-#include <sstream>
-
 namespace hive::test {
 
 /// One explanation.
@@ -28,11 +26,30 @@ private:
     }
 };
 
+/// Runs lines as a user types them, in a swarm.
+class Shell {
+public:
+    /// @param inside  the command that runs another one on the machine, if it is one of a lab
+    Shell(const Swarm& swarm, const std::vector<std::string>& inside = {}) : swarm_(swarm), words_(inside)
+    {
+        words_.insert(words_.end(), {"/bin/sh", "-c"});
+    }
+    [[nodiscard]] Finished run(const std::string& line) const
+    {
+        auto words = words_;
+        words.push_back(line);
+        return swarm_.run(words);
+    }
+
+private:
+    const Swarm& swarm_;
+    std::vector<std::string> words_;
+};
+
 /// @param words  "explain worker"
-inline Found found(const Swarm& swarm, const std::string& words)
+inline Found found(const Shell& shell, const std::string& words)
 {
-    std::istringstream in(words + " --json");
-    const auto done = swarm.hivectl({std::istream_iterator<std::string>(in), {}});
+    const auto done = shell.run("hivectl " + words + " --json");
     if (done.exit_code != 0 && done.exit_code != 9)
         throw std::runtime_error(words + " exited with " + std::to_string(done.exit_code) + ": " + done.err);
     Found found{.json = Json::parse(done.out), .exit_code = done.exit_code};
@@ -43,10 +60,24 @@ inline Found found(const Swarm& swarm, const std::string& words)
     return found;
 }
 
-/// Runs the command for the first cause, as a user who pastes it.
-inline void cure(const Swarm& swarm, const Found& found)
+/// The explanation, once it is this one.
+inline Found awaited(const Shell& shell, const std::string& words, const std::string& causes,
+                     Milliseconds patience = Milliseconds(15'000))
 {
-    const auto done = swarm.run({"/bin/sh", "-c", found.command()});
+    Found now;
+    CHECK_MESSAGE(eventually([&] { return (now = found(shell, words)).causes == causes; }, patience), now.text());
+    return now;
+}
+
+inline bool runs(const Shell& shell, const std::string& words)
+{
+    return eventually([&] { return found(shell, words).runs(); });
+}
+
+/// Runs the command for the first cause, as a user who pastes it.
+inline void cure(const Shell& shell, const Found& found)
+{
+    const auto done = shell.run(found.command());
     CHECK_MESSAGE(done.exit_code == 0, found.text(), "\n", done.out, done.err);
 }
 

@@ -156,6 +156,8 @@ TEST_CASE("many: over four machines with 1,024 descriptors, up, again nothing to
     const auto edges = Json::parse(timed(machines, "edges --json --timeout 20"));
     CHECK(std::ranges::count_if(edges, [](const Json& row) { return row.value("known_by", "") == "both"; })
           == drones - 4);
+    timed(machines, "audit");
+    timed(machines, "explain");
     timed(machines, "export");
     CHECK(std::ranges::count(timed(machines, "down"), '\n') == drones);
     CHECK(eventually([&] { return machines.processes() == 0; }));

@@ -32,11 +32,13 @@ std::string events_of(const Page& page)
 
 /// Its other requests, until one has a wrong answer: images and the graph, which may not exist yet, and the details of
 /// a drone.
-std::string requests_of(const Page& page)
+std::string requests_of(const Page& page, double pause)
 {
-    const auto get = "curl -sf -m 30 -o /dev/null -b " + page.cookie() + " " + page.address();
-    return "while sleep 0.2; do " + get + "/picture/camera.image/320/0; " + get + "/graph.svg; " + get
-           + "/drone/camera || exit 1; " + get + "/ask/camera || exit 1; done";
+    const auto get = "curl -sf -m 30 -b " + page.cookie();
+    const auto each = [&](const std::string& path) { return " -o /dev/null " + page.address() + path; };
+    return "while sleep " + std::to_string(pause) + "; do " + get + each("/picture/camera.image/320/0")
+           + each("/graph.svg") + "; " + get + " --fail-early" + each("/drone/camera") + each("/ask/camera")
+           + " || exit 1; done";
 }
 
 }  // namespace
@@ -55,7 +57,7 @@ TEST_CASE("viewers: with ten of them the memory of dash and view does not grow")
         "exec curl -sfN -o /dev/null 'http://127.0.0.1:" + std::to_string(port) + "/stream.mjpg?token=" + token + "'";
     std::vector<Process> browsers;
     for (int i = 0; i < viewers; ++i) {
-        std::vector lines{events_of(page), requests_of(page)};
+        std::vector lines{events_of(page), requests_of(page, measured_for() > 1min ? 2 : 0.2)};
         if (i < streams)
             lines.push_back(stream);
         for (const auto& line : lines)

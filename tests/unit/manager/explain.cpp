@@ -100,6 +100,26 @@ TEST_CASE("explain: a connection that takes events slowly is a cause only if the
     CHECK(found[0].evidence.find("nothing for 2.0 s") != std::string::npos);
 }
 
+TEST_CASE("explain: a stream that drops events is a cause as long as it does, at the end that drops them")
+{
+    auto before = far(0), after = far(0);
+    after.answers[0].status.outputs[0].edges[0].events.went(Fate::dropped, 3);
+    auto found = causes(after, &before);
+    REQUIRE(found.size() == 1);
+    CHECK(found[0].what == Cause::What::slow_connection);
+    CHECK_FALSE(found[0].blocks);
+    CHECK(found[0].evidence == "3 events dropped before they were sent");
+    CHECK(causes(after, &after).empty());
+    before = after;
+    after.answers[1].status.inputs[0].dropped = 7;
+    found = causes(after, &before);
+    REQUIRE(found.size() == 1);
+    CHECK(found[0].what == Cause::What::slow);
+    CHECK(found[0].evidence == "7 events dropped, 0 us for each event");
+    CHECK(found[0].command == "hivectl advise face");
+    CHECK(causes(after, &after).empty());
+}
+
 TEST_CASE("explain: a cycle of connections, and a receiver that is asked for twice, end the walk")
 {
     auto look = far(0);

@@ -110,7 +110,7 @@ void shrink(Application& application, Cause& cause)
     const auto [from, to] = ends_of(cause);
     const auto interface = application.describe(from.drone);
     const auto* port = interface.output(from.port);
-    cause.command = "hivectl connections " + cause.drone;
+    cause.command = "hivectl advise " + cause.drone;
     if (port && std::ranges::find(port->encodings, std::string("jpeg"), &Encoding::word) != port->encodings.end())
         cause.command = "hivectl connect " + to_text(from) + " " + to_text(to) + " --encoding jpeg:50";
 }

@@ -26,13 +26,6 @@ std::int64_t newest_emission_us(const Status& status)
     return newest;
 }
 
-/// Processing time of one event; 0: not known yet.
-std::int64_t work_us(const Status& status)
-{
-    const auto done = processed(status, &InputStatus::processed) + processed(status, &InputStatus::abandoned);
-    return done == 0 ? 0 : (status.busy_us - status.busy_for_us) / done;
-}
-
 std::string ago_text(const Status& status, std::int64_t time_us)
 {
     return duration_text(std::max<std::int64_t>(0, now_us(status) - time_us)) + " ago";
@@ -58,6 +51,12 @@ std::string command_in(const std::string& advice)
 }
 
 }  // namespace
+
+std::int64_t work_us(const Status& status)
+{
+    const auto done = processed(status, &InputStatus::processed) + processed(status, &InputStatus::abandoned);
+    return done == 0 ? 0 : (status.busy_us - status.busy_for_us) / done;
+}
 
 Cause& Search::add(What what, const std::string& drone, const std::string& text, const std::string& evidence,
                    const std::string& command)

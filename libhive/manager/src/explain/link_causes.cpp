@@ -109,6 +109,25 @@ void Search::encoded(const StatusAnswer& answer, const InputStatus& input)
                      : "hivectl connect " + link.from + " " + link.to + " --encoding jpeg");
 }
 
+/// For a stream whose queue overflows: at the sender if the connection is slow, at the receiver if its code is.
+void Search::dropping(const StatusAnswer& answer, const InputStatus& input)
+{
+    const auto link = link_at(answer, input);
+    if (!link)
+        return;
+    const auto dropped = [](const EdgeStatus& edge) { return edge.events.of(Fate::dropped); };
+    if (dropped(*link.edge) > 0 && link.grew(dropped))
+        slower(What::slow_connection, link, "the connection takes events more slowly than they are emitted",
+               std::to_string(dropped(*link.edge)) + " events dropped before they were sent", "");
+    const auto* earlier = before(answer);
+    const auto was = earlier ? processed(*earlier, &InputStatus::dropped) : 0;
+    if (input.dropped > 0 && processed(answer.status, &InputStatus::dropped) > was)
+        slower(What::slow, link, answer.drone + " takes events more slowly than they come",
+               std::to_string(input.dropped) + " events dropped, " + duration_text(work_us(answer.status))
+                   + " for each event",
+               "hivectl advise " + answer.drone);
+}
+
 /// For a connection on one machine whose large bodies go through the socket.
 void Search::copied(const StatusAnswer& answer, const InputStatus& input)
 {

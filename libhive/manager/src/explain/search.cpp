@@ -119,6 +119,7 @@ void Search::link(const StatusAnswer& receiver, const InputStatus& input)
     if (causes_.size() == found && !unknown) {
         narrow(receiver, input);
         encoded(receiver, input);
+        dropping(receiver, input);
         copied(receiver, input);
     }
 }

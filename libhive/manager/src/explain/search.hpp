@@ -74,6 +74,7 @@ private:
     void slower(Cause::What what, const Link& link, const std::string& text, const std::string& evidence,
                 const std::string& command);
     void narrow(const StatusAnswer& answer, const InputStatus& input);
+    void dropping(const StatusAnswer& answer, const InputStatus& input);
     void copied(const StatusAnswer& answer, const InputStatus& input);
     void encoded(const StatusAnswer& answer, const InputStatus& input);
     void outputs(const StatusAnswer& answer, const std::string& port);
@@ -108,6 +109,8 @@ private:
 std::int64_t processed(const Status& status, std::int64_t InputStatus::*count);
 /// Age of an output's newest event, by the drone's own clock; without one, since the drone started.
 std::int64_t quiet_us(const Status& status, const OutputStatus& output);
+/// Processing time of one event; 0: not known yet.
+std::int64_t work_us(const Status& status);
 /// Events emitted by all outputs, without exceptions.
 std::int64_t emitted(const Status& status);
 
