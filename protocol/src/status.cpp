@@ -313,6 +313,10 @@ Json to_json(const Status& status)
         write_list(json, "matching", status.matching, matching_to_json);
     if (status.last_exception)
         json["last_exception"] = exception_to_json(*status.last_exception);
+    if (status.halted) {
+        json["halted"]["time_us"] = status.halted->time_us;
+        write_text(json["halted"], "by", status.halted->by);
+    }
     if (!status.places.empty())
         json["places"] = status.places;
     write_text(json, "swarm", status.swarm);
@@ -344,6 +348,10 @@ Status status_from_json(const Json& object)
     status.matching = read_list<MatchingStatus>(fields, "matching", matching_from_json);
     if (fields.has("last_exception"))
         status.last_exception = exception_from_json(fields.object("last_exception"));
+    if (fields.has("halted")) {
+        const Fields halted(fields.object("halted"), "halted");
+        status.halted = {halted.text_or("by", ""), halted.integer_or("time_us", 0, max_json_integer, 0)};
+    }
     status.places = read_list<std::string>(
         fields, "places", [](const Json& place) { return place.is_string() ? place.get<std::string>() : ""; });
     status.swarm = fields.text_or("swarm", "");

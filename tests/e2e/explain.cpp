@@ -4,6 +4,7 @@
 #include <hive/printable.hpp>
 
 #include <doctest/doctest.h>
+#include <free_port.hpp>
 
 #include <csignal>
 
@@ -50,6 +51,7 @@ TEST_CASE("explain: halted, suspended or killed, and of two faults the one neare
     cure(swarm, both);
     const auto one = found(swarm, "explain worker");
     CHECK(one.causes == "halted worker");
+    CHECK_MESSAGE(has(one.evidence(), " ago, as app"), one.text());
     cure(swarm, one);
     CHECK(eventually(runs));
 
@@ -148,6 +150,52 @@ TEST_CASE("explain: code that throws at each event, a drone that is starting, an
                   ended.text());
     cure(swarm, ended);
     CHECK(eventually([&] { return processed(application, "late") == 10; }));
+}
+
+TEST_CASE("explain: code that throws now and then is not said to throw at each event")
+{
+    const Swarm swarm;
+    const auto source = swarm.drone("ticker", "source", {"fps=50"}),
+               worker = swarm.drone("sleeper", "worker", {"work_ms=350", "throw_every=3"});
+    swarm.hivectl_done({"connect", "source", "worker"});
+    auto application = swarm.application();
+    REQUIRE(eventually([&] { return processed(application, "worker") > 3; }));
+    for (int i = 0; i < 10; ++i) {
+        const auto now = found(swarm, "explain worker");
+        CHECK_MESSAGE(!has(now.causes, "throws"), now.text());
+    }
+}
+
+TEST_CASE("explain: a camera whose server requires a login")
+{
+    const Swarm swarm;
+    const auto port = std::to_string(free_port());
+    const Process server({"/usr/bin/python3", "-c", R"(
+import socketserver, sys
+class Refusing(socketserver.StreamRequestHandler):
+    def handle(self):
+        request = []
+        for line in self.rfile:
+            request.append(line)
+            if line == b"\r\n":
+                number = [line for line in request if line.lower().startswith(b"cseq")]
+                self.wfile.write(b"RTSP/1.0 401 Unauthorized\r\n" + b"".join(number)
+                                 + b'WWW-Authenticate: Basic realm="x"\r\n\r\n')
+                request = []
+socketserver.ThreadingTCPServer(("127.0.0.1", int(sys.argv[1])), Refusing).serve_forever()
+)",
+                          port},
+                         {}, swarm.home() / "server.log");
+    const auto camera = swarm.drone("camera", "camera", {"source=rtsp://127.0.0.1:" + port + "/x"});
+    auto application = swarm.application();
+    const auto collector = application.collect({{"camera", "image"}});
+    Found refused;
+    CHECK_MESSAGE(eventually([&] {
+                      refused = found(swarm, "explain camera");
+                      return refused.causes == "condition camera" && has(refused.text(), "login required");
+                  }),
+                  refused.text());
+    CHECK(refused.command() == "hivectl set camera credentials=FILE");
 }
 
 TEST_CASE("explain: a camera without its source, and one whose file has ended")

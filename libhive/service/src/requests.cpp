@@ -146,7 +146,7 @@ void Requests::on_halt(const Incoming& incoming)
 {
     if (set_policy(incoming))
         return;
-    parts_.worker.halt();
+    parts_.worker.halt(incoming.peer + " (" + incoming.peer_place + ")");
     incoming.answer(Json::object());
 }
 

@@ -17,10 +17,11 @@ void StatusBoard::idle()
     values_.state = State::idle;
 }
 
-void StatusBoard::halt()
+void StatusBoard::halt(const std::string& by)
 {
     const std::lock_guard lock(mutex_);
-    halted_ = true;
+    if (!halted_.exchange(true))
+        values_.halted = {by, event::wall_us()};
     if (values_.state == State::idle)
         values_.state = State::halted;
 }
@@ -29,6 +30,7 @@ void StatusBoard::resume()
 {
     const std::lock_guard lock(mutex_);
     halted_ = false;
+    values_.halted.reset();
     values_.state = State::idle;
 }
 

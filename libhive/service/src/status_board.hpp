@@ -28,6 +28,7 @@ public:
         bool prepared = false;  ///< a set, and so the user thread, waits for its asker's decision
         std::int64_t source_events = 0;
         std::optional<ExceptionStatus> last_exception;
+        std::optional<HaltStatus> halted;
         std::vector<MatchCounts> matched;  ///< one per matching, in the order of declaration
     };
     [[nodiscard]] Values values() const;
@@ -36,7 +37,7 @@ public:
     [[nodiscard]] bool halted() const noexcept { return halted_; }
     [[nodiscard]] bool stopping() const noexcept { return stopping_; }
     void idle();
-    void halt();
+    void halt(const std::string& by);
     void resume();
     /// @return  whether this was the first call
     bool stop();

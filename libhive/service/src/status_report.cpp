@@ -77,6 +77,7 @@ Status StatusReport::without_rows() const
                   .left = {},
                   .matching = matching(board),
                   .last_exception = board.last_exception,
+                  .halted = board.halted,
                   .places = listening_.places(),
                   .swarm = board.swarm,
                   .order = order(board)};

@@ -81,9 +81,9 @@ void Worker::step()
     parts_.board.end_work();
 }
 
-void Worker::halt()
+void Worker::halt(const std::string& by)
 {
-    parts_.board.halt();
+    parts_.board.halt(by);
     parts_.module.halt(true);
     parts_.mailbox.discard(event::came_to_member);  // other members may process them
     parts_.mailbox.nudge();

@@ -41,7 +41,8 @@ public:
     void put_back();
     /// Any thread. The running callback finishes; nothing more is started or requested, and shared work is returned to
     /// its group.
-    void halt();
+    /// @param by  the peer that asked for it; empty: the drone itself
+    void halt(const std::string& by = {});
     /// Discards waiting live events, so that the drone continues with the newest.
     void resume();
     /// The inputs have ended: calls on_end, then ends the outputs.

@@ -134,6 +134,11 @@ struct ExceptionStatus {
     std::int64_t sequence = 0;
 };
 
+struct HaltStatus {
+    std::string by{};  ///< who asked for it: "hivectl-4711 (pid 4711)"; empty: the drone itself
+    std::int64_t time_us = 0;
+};
+
 /// Usage of the whole machine.
 struct MachineStatus {
     std::int64_t processors = 0;
@@ -164,10 +169,11 @@ struct Status {
     std::vector<InputStatus> left{};  ///< counters of closed connections and of puts: one row per input
     std::vector<MatchingStatus> matching{};
     std::optional<ExceptionStatus> last_exception{};
-    std::int64_t rows_left_out = 0;     ///< rows of inputs, left and edges beyond this answer
-    std::vector<std::string> places{};  ///< addresses where it is reachable: "unix:/...", "tcp://cam1:7700"
-    std::string swarm{};                ///< the swarm that started it and may stop it; empty: none
-    std::optional<DroneOrder> order{};  ///< its configuration; empty: not reported
+    std::optional<HaltStatus> halted{};  ///< empty: it accepts events
+    std::int64_t rows_left_out = 0;      ///< rows of inputs, left and edges beyond this answer
+    std::vector<std::string> places{};   ///< addresses where it is reachable: "unix:/...", "tcp://cam1:7700"
+    std::string swarm{};                 ///< the swarm that started it and may stop it; empty: none
+    std::optional<DroneOrder> order{};   ///< its configuration; empty: not reported
 };
 
 Json to_json(const EdgeStatus& edge);

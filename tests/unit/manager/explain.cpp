@@ -120,6 +120,22 @@ TEST_CASE("explain: a stream that drops events is a cause as long as it does, at
     CHECK(causes(after, &after).empty());
 }
 
+TEST_CASE("explain: an exception hides no other cause at the first look, when nothing is known to move")
+{
+    auto before = far(0), after = far(0);
+    for (auto* look : {&before, &after}) {
+        auto& face = look->answers[1].status;
+        face.condition = "disk full";
+        face.last_exception = ExceptionStatus{.text = "disk full", .time_us = begin_us + 59 * second_us};
+    }
+    REQUIRE(causes(before).size() == 1);
+    CHECK(causes(before)[0].what == Cause::What::condition);
+    after.answers[1].status.inputs[0].processed = 600;
+    REQUIRE(causes(after, &before).size() == 1);
+    CHECK(causes(after, &before)[0].what == Cause::What::condition);
+    CHECK(causes(before, &before).at(0).what == Cause::What::throws);
+}
+
 TEST_CASE("explain: a cycle of connections, and a receiver that is asked for twice, end the walk")
 {
     auto look = far(0);

@@ -155,6 +155,7 @@ TEST_CASE("status: the drone's own fields, its matching and its last exception c
                                .unmatched = 3,
                                .duplicates = 4,
                                .missing = {{"marks", 3}}});
+    status.halted = HaltStatus{.by = "hivectl-7 (pid 7)", .time_us = 5};
     status.last_exception = ExceptionStatus{.code = "failed",
                                             .text = "no face",
                                             .policy = "halt",
@@ -176,6 +177,9 @@ TEST_CASE("status: the drone's own fields, its matching and its last exception c
     CHECK(back.machine.memory_available == 10);
     CHECK(back.machine.memory_limited);
     CHECK(back.matching.at(0).missing.at("marks") == 3);
+    REQUIRE(back.halted);
+    CHECK(back.halted->by == "hivectl-7 (pid 7)");
+    CHECK(back.halted->time_us == 5);
     REQUIRE(back.last_exception);
     CHECK(back.last_exception->text == "no face");
     CHECK(back.last_exception->sequence == 6);

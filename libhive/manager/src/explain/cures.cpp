@@ -46,6 +46,15 @@ std::pair<std::string, std::string> source_of(Application& application, const st
     return {};
 }
 
+/// What a condition ends with: "credentials=FILE" of "login required; set credentials=FILE".
+std::string setting_in(const std::string& condition)
+{
+    const std::string_view set = "; set ";
+    const auto at = condition.rfind(set);
+    const auto setting = at == std::string::npos ? "" : condition.substr(at + set.size());
+    return setting.find('=') < setting.find(' ') ? setting : "";
+}
+
 void name_source(Application& application, Cause& cause)
 {
     auto [name, value] = source_of(application, cause.drone);
@@ -54,8 +63,10 @@ void name_source(Application& application, Cause& cause)
     cause.evidence += (cause.evidence.empty() ? "" : ", ") + name + "=" + (value.empty() ? "(empty)" : value);
     std::string place = name;
     std::ranges::transform(place, place.begin(), [](unsigned char c) { return std::toupper(c); });
-    cause.command =
-        value.starts_with("/dev/") ? "hivectl devices" : "hivectl set " + cause.drone + " " + name + "=" + place;
+    const auto proposed = setting_in(cause.text);
+    cause.command = value.starts_with("/dev/")
+                        ? "hivectl devices"
+                        : "hivectl set " + cause.drone + " " + (proposed.empty() ? name + "=" + place : proposed);
 }
 
 using Fit = std::pair<const Port*, const Port*>;

@@ -37,6 +37,17 @@ std::string exception_text(const Status& status)
     return "exception " + ago_text(status, exception.time_us) + ": " + printable(exception.text);
 }
 
+std::string halt_text(const Status& status)
+{
+    if (!status.halted)
+        return "";
+    const auto since = ago_text(status, status.halted->time_us);
+    if (!status.halted->by.empty())
+        return since + ", as " + printable(status.halted->by) + " asked";
+    const bool threw = status.last_exception && status.last_exception->policy == "halt";
+    return threw ? exception_text(status) : since;
+}
+
 std::string crash_text(const CrashedDrone& crash)
 {
     return crash.signal + (crash.function.empty() ? "" : " in " + printable(crash.function))
@@ -134,9 +145,7 @@ bool Search::own(const StatusAnswer& answer)
         add(What::starting, name, name + " is starting", "for " + duration_text(status.uptime_us),
             "hivectl wait " + name + " --timeout 60");
     else if (status.state == State::halted || status.why == Reason::halted)
-        add(What::halted, name, name + " has halted",
-            status.last_exception && status.last_exception->policy == "halt" ? exception_text(status) : "",
-            "hivectl resume " + name);
+        add(What::halted, name, name + " has halted", halt_text(status), "hivectl resume " + name);
     else if (status.why == Reason::set_prepared)
         add(What::set_prepared, name, name + " waits for an application to commit or abort the set that it prepared");
     else if (status.why == Reason::source_ended)
@@ -157,12 +166,14 @@ bool Search::own(const StatusAnswer& answer)
 bool Search::throws(const StatusAnswer& answer)
 {
     const auto& status = answer.status;
-    if (!status.last_exception || now_us(status) - status.last_exception->time_us > recent_us || moves(answer)
-        || newest_emission_us(status) > status.last_exception->time_us)
-        return false;
     const auto* earlier = before(answer);
-    const auto failed =
-        processed(status, &InputStatus::abandoned) - (earlier ? processed(*earlier, &InputStatus::abandoned) : 0);
+    constexpr int events = 3;  // some of which may succeed
+    const auto quiet = now_us(status) - newest_emission_us(status);
+    if (!earlier || !status.last_exception || now_us(status) - status.last_exception->time_us > recent_us
+        || moves(answer) || newest_emission_us(status) > status.last_exception->time_us
+        || quiet < events * work_us(status))
+        return false;
+    const auto failed = processed(status, &InputStatus::abandoned) - processed(*earlier, &InputStatus::abandoned);
     add(What::throws, answer.drone,
         answer.drone + (failed > 0 ? " throws at each event: " : " threw, and has emitted nothing since: ")
             + status.last_exception->text,
@@ -179,7 +190,7 @@ bool Search::stuck(const StatusAnswer& answer)
     constexpr std::int64_t noticeable_us = 5 * second_us;
     constexpr int times = 5;  // the usual time
     const auto usual = work_us(status);
-    if (status.busy_for_us < std::max(noticeable_us, times * usual) || moves(answer)
+    if (!earlier_ || status.busy_for_us < std::max(noticeable_us, times * usual) || moves(answer)
         || now_us(status) - newest_emission_us(status) < noticeable_us)
         return false;
     const bool is_main = status.callback == "main";

@@ -119,7 +119,10 @@ Explanation explanation(Application& application, const std::vector<std::string>
     walk(after);
     Explanation result{.causes = after.causes(), .flows = flows(after.passed(), first, second)};
     std::erase_if(result.causes, [&](const Cause& cause) {
-        return std::ranges::none_of(before.causes(), [&](const Cause& earlier) { return same(cause, earlier); });
+        using enum Cause::What;
+        const bool compared = cause.what == throws || cause.what == stuck;  // with the first look
+        return !compared
+               && std::ranges::none_of(before.causes(), [&](const Cause& earlier) { return same(cause, earlier); });
     });
     for (auto& cause : same_names(second))
         result.causes.push_back(std::move(cause));
