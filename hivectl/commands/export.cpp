@@ -102,7 +102,7 @@ int run(const Options& options, Session& session)
     } else {
         const auto reading = swarm_reading(options.from, session.timeout(std::chrono::seconds(10)));
         for (const auto& mistake : reading.mistakes)
-            complain("export", mistake_text(options.from.file, mistake));
+            fail("export", hive::Errc::invalid_argument, mistake_text(options.from.file, mistake));
         if (!reading.mistakes.empty())
             return exit_code_of(hive::Errc::invalid_argument);
         plan = reading.plan;

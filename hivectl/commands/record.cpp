@@ -98,9 +98,9 @@ int take_events(hive::Collector& collector, hive::recording::Writer& writer, Pro
             writer.finish(end->empty() ? "end of source" : "end of source: " + *end);
             return exit_code_at_end("record", *end);
         } else if (patience && Clock::now() - last >= *patience) {
-            complain("record", "no event for " + duration_text(*patience / 1us) + "; " + reason());
             writer.finish("nothing came");
-            return exit_code::timed_out;
+            return fail("record", hive::Errc::timeout,
+                        "no event for " + duration_text(*patience / 1us) + "; " + reason());
         }
         writer.look(Clock::now());
     }

@@ -110,9 +110,8 @@ int report(const hive::Json& header, const Options& options, bool json)
     if (!problem.empty())
         complain("save", printable(problem));
     if (frames == 0) {
-        if (problem.empty())
-            complain("save", "no image arrived; nothing was written");
-        return exit_code::failure;
+        return problem.empty() ? fail("save", hive::Errc::failed, "no image arrived; nothing was written")
+                               : exit_code::failure;
     }
     std::error_code ignored;
     const auto size = std::filesystem::is_regular_file(options.file, ignored)
@@ -150,8 +149,7 @@ int run(const Options& options, Session& session)
         return report(event->header, options, session.json);
     if (const auto how = writer.exited())
         throw *how;
-    complain("save", "the file was not completed in time; it holds what came before");
-    return exit_code::timed_out;
+    return fail("save", hive::Errc::timeout, "the file was not completed in time; it holds what came before");
 }
 
 Run declare(CommandLine& line, Session& session)

@@ -62,10 +62,8 @@ int await(const std::string& name, const std::string& goal, Session& session, st
         if (reached(goal, state))
             return exit_code::done;
         waiting.now_for(name + " to be " + goal + " (now " + state + ")");
-        if (std::chrono::steady_clock::now() >= end) {
-            complain("wait", late_text(name, goal, state, session.timeout(10s)));
-            return exit_code::timed_out;
-        }
+        if (std::chrono::steady_clock::now() >= end)
+            return fail("wait", hive::Errc::timeout, late_text(name, goal, state, session.timeout(10s)), name);
         interrupt::sleep(std::clamp<std::chrono::milliseconds>(left, 1ms, 20ms));
     }
 }

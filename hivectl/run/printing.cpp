@@ -41,9 +41,9 @@ int print_lines(const PrintUntil& until,
         } else if (const auto end = until.ended ? until.ended() : std::nullopt) {
             return exit_code_at_end(until.verb, *end);
         } else if (until.patience && Clock::now() - last >= *until.patience) {
-            complain(until.verb, "no event for " + duration_text(*until.patience / 1us)
-                                     + (until.reason ? "; " + until.reason() : ""));
-            return exit_code::timed_out;
+            return fail(until.verb, hive::Errc::timeout,
+                        "no event for " + duration_text(*until.patience / 1us)
+                            + (until.reason ? "; " + until.reason() : ""));
         } else if (until.silence && Clock::now() - last >= silence && !std::exchange(told, true)) {
             until.silence();
         }

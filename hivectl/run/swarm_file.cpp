@@ -63,7 +63,7 @@ std::optional<hive::SwarmPlan> read_plan(std::string_view verb, const SwarmInput
 {
     auto reading = swarm_reading(input, std::chrono::seconds(10), to_be_started);
     for (const auto& mistake : reading.mistakes)
-        complain(verb, mistake_text(input.file, mistake));
+        fail(verb, hive::Errc::invalid_argument, mistake_text(input.file, mistake));
     if (!reading.mistakes.empty())
         return std::nullopt;
     return std::move(reading.plan);

@@ -100,6 +100,15 @@ void complain_about(std::string_view verb, const hive::Error& error, std::string
         complain(verb, indent + printable(line));
 }
 
+int fail(std::string_view verb, hive::Errc code, const std::string& sentence, std::string_view subject)
+{
+    if (as_json)
+        complain_about(verb, hive::Error(code, sentence), subject);
+    else
+        complain(verb, printable(sentence));
+    return exit_code_of(code);
+}
+
 void Outcome::failed(std::string_view subject, const hive::Error& error)
 {
     codes_.insert(exit_code_of(error.code()));

@@ -38,6 +38,8 @@ void print_failures_as_json();
 /// Prints the failure and advice on stderr.
 /// @param subject  the drone or port that the error concerns, if known
 void complain_about(std::string_view verb, const hive::Error& error, std::string_view subject = {});
+/// Prints a whole sentence as a failure, without the usual advice. @return the exit code
+int fail(std::string_view verb, hive::Errc code, const std::string& sentence, std::string_view subject = {});
 
 /// Collects the results of a request to several drones. Prints failures on stderr as they occur.
 class Outcome {

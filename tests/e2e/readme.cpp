@@ -125,6 +125,20 @@ TEST_CASE("README: a command line that cannot be read is a failure as any other,
         CHECK(error.at("code") == "invalid_argument");
         CHECK(error.at("advice").get<std::string>().ends_with("--help"));
     }
+    const auto broken = (swarm.home() / "broken.json").string();
+    std::ofstream(broken) << R"({"swarm": "x", "drones": {"a": {"kind": "no such kind"}}})";
+    const std::vector<std::pair<std::vector<std::string>, std::string>> others{
+        {{"up", broken}, "invalid_argument"},
+        {{"down", broken}, "invalid_argument"},
+        {{"export", "--as", "shell", "--from", broken}, "invalid_argument"},
+        {{"wait", "face", "--timeout", "0.1"}, "timeout"},
+    };
+    for (auto [words, code] : others) {
+        words.emplace_back("--json");
+        const auto failed = swarm.hivectl(words);
+        CHECK(failed.exit_code != 0);
+        CHECK_MESSAGE(hive::Json::parse(failed.err).at("error").at("code") == code, failed.err);
+    }
     const auto unknown = swarm.hivectl({"colect", "--json"});
     CHECK(unknown.exit_code == 2);
     CHECK(hive::Json::parse(unknown.err).at("error").at("advice") == "did you mean collect?");
