@@ -1,6 +1,5 @@
 // Compares the predictions of hivectl advise with the effects of its commands.
 #include "bad_link.hpp"
-#include "delay_relay.hpp"
 #include "measure.hpp"
 
 #include <possible.hpp>
