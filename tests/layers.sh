@@ -39,9 +39,7 @@ refuse "the headers for C include C alone" 'hive/' libhive/include/hive.h libhiv
 refuse "nothing of Hive itself is written against hive.h" 'hive\.h[">]' protocol libhive/transport libhive/discovery libhive/event libhive/service libhive/manager libhive/vision libhive/recording hivectl drones
 refuse "recordings are made by who uses the public API" 'hive/recording/' protocol libhive/transport libhive/discovery libhive/event libhive/service libhive/manager libhive/vision
 refuse "recording uses the public API alone" "hive/(transport|discovery|event|protocol|vision)/|$of_service|$of_manager" libhive/recording
-mapfile -t no_asio < <(find drones \( -name '*.hpp' -o -name '*.cpp' \) -not -path 'drones/axis/emulator/*')
-refuse "Asio belongs to transport, event and the emulated camera" 'asio' protocol libhive/discovery libhive/service libhive/manager libhive/vision hivectl "${no_asio[@]}"
-refuse "the emulated camera is no part of Hive" 'hive/' drones/axis/emulator
+refuse "Asio belongs to transport and event" 'asio' protocol libhive/discovery libhive/service libhive/manager libhive/vision hivectl drones
 refuse "OpenCV belongs to vision and the drones" 'opencv' protocol libhive/transport libhive/discovery libhive/event libhive/service libhive/manager hivectl
 refuse "CLI11 belongs to hivectl and the command line of the drones" 'CLI/' protocol libhive/transport libhive/discovery libhive/event libhive/manager libhive/vision drones
 mapfile -t verbs < <(find hivectl \( -name '*.hpp' -o -name '*.cpp' \) -not -name command_line.cpp)

@@ -35,13 +35,10 @@ const std::string set_device = "if [ -e /dev/video0 ]; then hivectl set cam sour
 const std::vector<Page> pages{
     {"annotate", "", {}},
     {"axis",
-     "mkdir -p .config/hive; echo root:pass > .config/hive/door-camera; chmod 600 .config/hive/door-camera\n"
-     "hive-axis-emulator port=$port1 control=$port2 auth=digest &\n"
+     "mkdir -p .config/hive; echo root:pass > .config/hive/door-camera; chmod 600 "
+     ".config/hive/door-camera\n" HIVE_SOURCE_DIR "/tests/support/axis_camera.py port=$port1 auth=digest &\n"
      "until (: < /dev/tcp/127.0.0.1/$port1) 2> /dev/null; do sleep 0.05; done\n",
      {{"http://192.0.2.10", "http://127.0.0.1:$port1 allow_address=127.0.0.1"}}},
-    {"axis/emulator",
-     "",
-     {{"8080", "$port1"}, {"8081", "$port2"}, {"'http", "\"http"}, {"Brand'", "Brand\""}, {"10'", "10\""}}},
     {"background", "", {}},
     {"camera",
      "hivectl start camera; mkdir pictures; hivectl snap camera pictures/1.jpg; hivectl stop camera\n",
@@ -138,7 +135,6 @@ TEST_CASE("pages: every page in drones/ that has commands is run here")
 
 TEST_CASE("pages: the commands on the page of annotate work as they stand there") { run_page("annotate"); }
 TEST_CASE("pages: the commands on the page of axis work as they stand there") { run_page("axis"); }
-TEST_CASE("pages: the commands on the page of axis/emulator work as they stand there") { run_page("axis/emulator"); }
 TEST_CASE("pages: the commands on the page of background work as they stand there") { run_page("background"); }
 TEST_CASE("pages: the commands on the page of camera work as they stand there") { run_page("camera"); }
 TEST_CASE("pages: the commands on the page of detect work as they stand there") { run_page("detect"); }

@@ -58,9 +58,9 @@ EngineLab::EngineLab(std::string form, const fs::path& swarm_file)
         throw std::runtime_error("what was written as " + form_ + " cannot be read: " + read_there.err);
     add_machines(Json::parse(read_there.out));
     if (text_of(swarm_file).find(camera_address) != std::string::npos)
-        camera_.emplace(
-            hub_.inside({swarm_.program("hive-axis-emulator").string(), "address=0.0.0.0", "port=80", "control=81"}),
-            std::vector<std::string>{}, swarm_.home() / "camera.log");
+        camera_.emplace(hub_.inside({"/usr/bin/python3", HIVE_SOURCE_DIR "/tests/support/axis_camera.py",
+                                     "address=0.0.0.0", "port=80", "control=81"}),
+                        std::vector<std::string>{}, swarm_.home() / "camera.log");
 }
 
 EngineLab::~EngineLab()

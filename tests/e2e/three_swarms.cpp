@@ -10,6 +10,7 @@
 #include <set>
 #include <sstream>
 
+#include <csignal>
 #include <unistd.h>
 
 using namespace hive::test;
@@ -221,6 +222,19 @@ TEST_CASE("swarm scripts: wrong arguments are answered with the usage before any
         CHECK(done.err.starts_with("usage: scripts/swarms/" + words[0]));
     }
     CHECK(swarm.hivectl_done({"ps", "--json"}) == "[]\n");
+}
+
+TEST_CASE("swarm scripts: an emulated camera is started once, and its images reach the detector")
+{
+    const Swarm swarm;
+    const auto first = script(swarm, {"axis.sh", "emulated", "resolution=320x240"});
+    REQUIRE_MESSAGE(first.exit_code == 0, first.err);
+    const auto kill = first.out.find("end it: kill ");
+    REQUIRE(kill != std::string::npos);
+    const pid_t camera = std::stoi(first.out.substr(kill + 13));
+    CHECK(script(swarm, {"axis.sh", "emulated"}).out.find("end it: kill") == std::string::npos);
+    CHECK(has(swarm.hivectl_done({"results", "face", "-n", "3"}, 30'000ms), "\"width\":320"));
+    CHECK(::kill(camera, SIGKILL) == 0);
 }
 
 TEST_CASE("swarm scripts: a second run goes on with the drones that run, and a drone of another swarm is left alone")

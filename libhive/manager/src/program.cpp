@@ -28,10 +28,6 @@ constexpr std::array<std::string_view, 13> packaged{"annotate", "axis",    "back
                                                     "face",     "gesture", "record",     "replay", "track",
                                                     "view",     "write",   "zones"};
 
-/// hive-X-emulator emulates a device and is not a drone. Other programs are not run to find out: one that is merely
-/// named hive-something could do anything.
-bool is_emulator(std::string_view kind) { return kind.ends_with("-emulator"); }
-
 std::vector<fs::path> directories()
 {
     std::error_code ignored;
@@ -52,8 +48,6 @@ std::vector<fs::path> directories()
 
 std::optional<fs::path> program_of(const std::string& kind)
 {
-    if (is_emulator(kind))
-        return std::nullopt;
     for (const auto& directory : directories())
         if (const auto file = directory / (std::string(program_prefix) + kind); is_program(file))
             return file;
@@ -69,7 +63,7 @@ std::vector<std::string> kinds()
         const std::set<std::string> hidden{std::istream_iterator<std::string>(unlisted), {}};
         for (const auto& entry : fs::directory_iterator(directory, ignored))
             if (const auto name = entry.path().filename().string();
-                name.starts_with(program_prefix) && !is_emulator(name) && is_program(entry.path()))
+                name.starts_with(program_prefix) && is_program(entry.path()))
                 if (const auto kind = name.substr(program_prefix.size()); !hidden.contains(kind))
                     found.insert(kind);
     }

@@ -84,6 +84,29 @@ TEST_CASE("multipart: parts with their length, without it, and with line ends of
     check_parts(part(one, "content-length:many\r\n") + counted(two), {one, two});
 }
 
+TEST_CASE("multipart: every name of the boundary, line end and length gives whole parts with their type")
+{
+    const std::string jpeg = "\xFF\xD8 picture \r\n\r\n \xFF\xD9", size = std::to_string(jpeg.size());
+    for (const char* name :
+         {" boundary=myboundary", " boundary=--myboundary", " boundary=\"myboundary\"", "boundary=myboundary"})
+        for (const std::string end : {"\r\n", "\n"})
+            for (const std::string& head :
+                 {"Content-Length: " + size + end, std::string(), "Content-Length: many" + end,
+                  "X-Unknown: \xE4\x01\xFF" + end + "Content-Length: " + size + end}) {
+                CAPTURE(std::string(name) + " " + head);
+                const auto boundary = axis::boundary_of(std::string("multipart/x-mixed-replace;") + name);
+                REQUIRE(boundary);
+                MultipartReader reader(*boundary);
+                reader.feed(part(jpeg, head, end) + part(jpeg, head, end) + part(jpeg, head, end));
+                for (int i = 0; i < 2; ++i) {
+                    const auto found = reader.next();
+                    REQUIRE(found);
+                    CHECK(found->bytes == jpeg);
+                    CHECK(found->type == "image/jpeg");
+                }
+            }
+}
+
 TEST_CASE("multipart: dashes of the boundary may be too many or too few, where it is told and where it stands")
 {
     for (const char* told : {"myboundary", "--myboundary", "----myboundary"}) {

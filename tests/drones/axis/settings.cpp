@@ -163,23 +163,26 @@ TEST_CASE("axis settings: a certificate that is not there is refused at once, at
     CHECK(swarm.hivectl_done({"get", "axis", "certificate"}).find("/nowhere") == std::string::npos);
 }
 
-TEST_CASE("axis emulator: says which address or port it cannot have, with its words only when one of them is wrong")
+TEST_CASE("axis emulator: says which address or port it cannot have, with a hint at its help only when a word is wrong")
 {
     const Swarm swarm;
     const EmulatedCamera camera(swarm);
-    const std::string program = swarm.program("hive-axis-emulator").string(),
-                      taken = camera.url().substr(camera.url().rfind(':') + 1);
+    const auto emulated = [&](const std::string& word) {
+        auto words = emulator;
+        words.push_back(word);
+        return swarm.run(words);
+    };
+    const std::string taken = camera.url().substr(camera.url().rfind(':') + 1);
     for (const std::string word : {"port", "control"}) {
-        const auto refused = swarm.run({program, word + "=" + taken});
+        const auto refused = emulated(word + "=" + taken);
         CHECK(refused.exit_code == 1);
         CHECK(refused.err
-              == "hive-axis-emulator: cannot listen at 127.0.0.1, " + word + "=" + taken
-                     + ": Address already in use\n");
+              == "axis_camera.py: cannot listen at 127.0.0.1, " + word + "=" + taken + ": Address already in use\n");
     }
-    CHECK(has(swarm.run({program, "address=192.0.2.1"}).err, "cannot listen at 192.0.2.1, port=0: "));
-    const auto wrong = swarm.run({program, "address=300.1.1.1"});
+    CHECK(has(emulated("address=192.0.2.1").err, "cannot listen at 192.0.2.1, port=0: "));
+    const auto wrong = emulated("address=300.1.1.1");
     CHECK(wrong.exit_code == 2);
-    CHECK(has(wrong.err, "address=300.1.1.1 is no internet address"));
+    CHECK(has(wrong.err, "address=300.1.1.1 is not an IPv4 address"));
 }
 
 TEST_CASE("axis settings: the header of a picture has the fields that the page shows")

@@ -26,16 +26,16 @@ int number_after(const std::string& text, const std::string& word)
     return at == std::string::npos ? 0 : std::atoi(text.c_str() + at + word.size());
 }
 
-std::vector<std::string> command(const Swarm& swarm, std::vector<std::string> words)
+std::vector<std::string> command(std::vector<std::string> words)
 {
-    words.insert(words.begin(), swarm.program("hive-axis-emulator").string());
+    words.insert(words.begin(), emulator.begin(), emulator.end());
     return words;
 }
 
 }  // namespace
 
 EmulatedCamera::EmulatedCamera(const Swarm& swarm, std::vector<std::string> words)
-    : log_(swarm.home() / "camera.log"), process_(command(swarm, std::move(words)), {}, log_)
+    : log_(swarm.home() / "camera.log"), process_(command(std::move(words)), {}, log_)
 {
     REQUIRE(eventually([&] { return number_after(text_of(log_), "control at http://127.0.0.1:") > 0; }));
     port_ = number_after(text_of(log_), "camera at http://127.0.0.1:");

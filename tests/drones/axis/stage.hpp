@@ -12,6 +12,8 @@ namespace stage {
 
 using namespace hive::test;
 
+inline const std::vector<std::string> emulator{"/usr/bin/python3", HIVE_SOURCE_DIR "/tests/support/axis_camera.py"};
+
 class EmulatedCamera {
 public:
     explicit EmulatedCamera(const Swarm& swarm, std::vector<std::string> words = {});

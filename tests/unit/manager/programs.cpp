@@ -12,14 +12,13 @@
 
 using namespace std::chrono_literals;
 
-TEST_CASE("programs: what is called hive-KIND is a drone's, but for emulators of devices")
+TEST_CASE("programs: hive-KIND is the program of a drone")
 {
-    const Programs programs({"hive-toy", "hive-toy-emulator", "beehive-toy"});
+    const Programs programs({"hive-toy", "beehive-toy"});
     const auto kinds = hive::kinds();
     CHECK(std::ranges::count(kinds, "toy") == 1);
-    CHECK(std::ranges::count(kinds, "toy-emulator") == 0);
+    CHECK(std::ranges::count(kinds, "beehive-toy") == 0);
     CHECK(hive::program_of("toy"));
-    CHECK_FALSE(hive::program_of("toy-emulator"));
     CHECK_FALSE(hive::program_of("toys"));
 }
 
