@@ -50,7 +50,7 @@ refuse "OpenSSL belongs to transport" 'openssl/' protocol libhive/discovery libh
 refuse "Avahi belongs to discovery" 'avahi-' protocol libhive/transport libhive/event libhive/service libhive/manager libhive/vision libhive/recording libhive/language hivectl drones
 mapfile -t no_http < <(find libhive -mindepth 1 -maxdepth 1 -not -name http)
 refuse "libmicrohttpd belongs to http" 'microhttpd' protocol "${no_http[@]}" hivectl drones
-refuse "http knows nothing else of Hive" 'hive/([a-z_]+\.hpp|[a-gi-z][a-z]*/)' libhive/http
+refuse "http knows nothing else of Hive than platform" 'hive/([a-z_]+\.hpp|(?!platform)[a-gi-z][a-z]*/)' libhive/http
 refuse "public headers include public headers, the standard library and json only" '(?!hive/[a-z_]+\.hpp>|nlohmann/|[a-z_]+>)' \
     protocol/include/hive/*.hpp "$headers"/*.hpp
 

@@ -1,15 +1,17 @@
 // Encodes the requested kinds, both from the same image, without the lock.
 #include "encoder.hpp"
 
-#include <csignal>
+#include <hive/platform/crash_signals.hpp>
+
 #include <exception>
 #include <utility>
 
 namespace view {
 
-Encoder::Encoder(const Exchange& exchange, std::function<void()> done)
-    : exchange_(exchange), done_(std::move(done)), thread_([this] { run(); })
+Encoder::Encoder(const Exchange& exchange, std::function<void()> done) : exchange_(exchange), done_(std::move(done))
 {
+    const hive::platform::SignalsBlocked blocked;
+    thread_ = std::thread([this] { run(); });
 }
 
 Encoder::~Encoder()
@@ -36,11 +38,6 @@ Encoded Encoder::newest(bool plain, Exchange::Time now)
 
 void Encoder::run()
 {
-    sigset_t all;
-    sigfillset(&all);
-    for (const int crash : {SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT})
-        sigdelset(&all, crash);
-    ::pthread_sigmask(SIG_BLOCK, &all, nullptr);  // signals are for the drone's own threads
     for (std::unique_lock lock(mutex_);;) {
         changed_.wait(lock, [this] { return ending_ || captioned_.asked || plain_.asked; });
         if (ending_)

@@ -8,6 +8,7 @@
 #include "words/video_device.hpp"
 
 #include <hive/error.hpp>
+#include <hive/platform/descriptor.hpp>
 
 #include <algorithm>
 #include <cerrno>
@@ -15,7 +16,6 @@
 #include <fcntl.h>
 #include <filesystem>
 #include <sys/ioctl.h>
-#include <unistd.h>
 
 namespace hivectl::devices_verb {
 namespace {
@@ -34,29 +34,14 @@ std::vector<std::string> paths()
     return found;
 }
 
-class Descriptor {
-public:
-    explicit Descriptor(const std::string& path) : number_(::open(path.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC))
-    {
-        if (number_ < 0)
-            throw hive::Error(hive::Errc::refused, "cannot use " + path + ": " + std::strerror(errno),
-                              errno == EACCES ? "join the video group: adduser NAME video" : "");
-    }
-    ~Descriptor() { ::close(number_); }
-    Descriptor(const Descriptor&) = delete;
-    Descriptor& operator=(const Descriptor&) = delete;
-
-    [[nodiscard]] bool ask(unsigned long request, void* about) const { return ::ioctl(number_, request, about) == 0; }
-
-private:
-    int number_;
-};
-
 void add_rows(std::vector<Row>& rows, const std::string& path)
 {
-    const Descriptor descriptor(path);
+    const hive::platform::Descriptor opened(::open(path.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC));
+    if (!opened)
+        throw hive::Error(hive::Errc::refused, "cannot use " + path + ": " + std::strerror(errno),
+                          errno == EACCES ? "join the video group: adduser NAME video" : "");
     const auto device =
-        video_device([&](unsigned long request, void* about) { return descriptor.ask(request, about); });
+        video_device([&](unsigned long request, void* about) { return ::ioctl(opened.get(), request, about) == 0; });
     if (!device)
         return;
     for (const auto& mode : device->modes)

@@ -4,7 +4,6 @@
 #include <hive/platform/crash_signals.hpp>
 
 #include <condition_variable>
-#include <csignal>
 #include <mutex>
 #include <thread>
 
@@ -50,12 +49,8 @@ struct DaemonThread::State {
 DaemonThread::DaemonThread(std::shared_ptr<DaemonUser> user) : state_(std::make_shared<State>())
 {
     state_->user = std::move(user);
-    // Blocks signals, which are for the threads that wait for them.
-    const auto others = platform::signals_for_others();
-    sigset_t before;
-    ::pthread_sigmask(SIG_SETMASK, &others, &before);
+    const platform::SignalsBlocked blocked;
     std::thread([state = state_] { run(state); }).detach();
-    ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
 }
 
 DaemonThread::~DaemonThread()

@@ -7,15 +7,8 @@
 #include <cstring>
 #include <netinet/in.h>
 #include <stdexcept>
-#include <unistd.h>
 
 namespace hive::http {
-
-Descriptor::~Descriptor()
-{
-    if (number_ >= 0)
-        ::close(number_);
-}
 
 Descriptor listen_at(const Address& address, const std::string& url)
 {

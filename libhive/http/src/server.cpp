@@ -3,12 +3,12 @@
 #include "listener.hpp"
 
 #include <hive/http/server.hpp>
+#include <hive/platform/crash_signals.hpp>
 
 #include <microhttpd.h>
 
 #include <algorithm>
 #include <atomic>
-#include <csignal>
 #include <poll.h>
 #include <set>
 #include <stdexcept>
@@ -132,7 +132,8 @@ Server::Core::Core(const Settings& settings, Site& site)
                                &Core::on_visit, this, MHD_OPTION_STRICT_FOR_CLIENT, 1, MHD_OPTION_END);
     if (!daemon_)
         throw std::runtime_error("cannot serve HTTP at " + url_of(settings_.bind, port_));
-    socket.release();  // the daemon closes it
+    static_cast<void>(socket.release());  // the daemon closes it
+    const platform::SignalsBlocked blocked;
     thread_ = std::thread([this] { loop(); });
 }
 
@@ -158,11 +159,6 @@ int Server::Core::patience() const
 
 void Server::Core::loop()
 {
-    sigset_t all;
-    sigfillset(&all);
-    for (const int crash : {SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT})
-        sigdelset(&all, crash);
-    ::pthread_sigmask(SIG_BLOCK, &all, nullptr);  // signals are for the program's own threads
     const int events = MHD_get_daemon_info(daemon_, MHD_DAEMON_INFO_EPOLL_FD)->epoll_fd;
     while (!ending_) {
         pollfd ready[]{{events, POLLIN, 0}, {site_.wakes_, POLLIN, 0}};

@@ -59,11 +59,8 @@ std::error_code lock(int descriptor, std::chrono::nanoseconds timeout)
         return {errno, std::generic_category()};
     std::promise<int> locked;
     auto error = locked.get_future();
-    const auto others = signals_for_others();
-    sigset_t before;
-    ::pthread_sigmask(SIG_SETMASK, &others, &before);
-    std::error_code problem;
     try {
+        const SignalsBlocked blocked;
         std::thread([copy, locked = std::move(locked)]() mutable {
             const int result = lock_without_deadline(copy);
             ::close(copy);
@@ -73,11 +70,8 @@ std::error_code lock(int descriptor, std::chrono::nanoseconds timeout)
         ++waiting;
     } catch (const std::system_error& none_left) {
         ::close(copy);
-        problem = none_left.code();
+        return none_left.code();
     }
-    ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
-    if (problem)
-        return problem;
     if (error.wait_for(timeout) == std::future_status::ready)
         return {error.get(), std::generic_category()};
     return std::make_error_code(std::errc::timed_out);

@@ -1,4 +1,5 @@
-// The signals of a crash, which threads must not block, and a stack for their handler.
+// The signals of a crash, which threads must not block, the others, which most threads leave to others, and a stack for
+// their handler.
 #pragma once
 
 #include <array>
@@ -19,6 +20,23 @@ inline sigset_t signals_for_others() noexcept
         sigdelset(&all, signal);
     return all;
 }
+
+/// Blocks them in the constructing thread while it lives, and for good in threads that are started meanwhile: signals
+/// are for the threads that wait for them.
+class SignalsBlocked {
+public:
+    SignalsBlocked() noexcept
+    {
+        const auto others = signals_for_others();
+        ::pthread_sigmask(SIG_BLOCK, &others, &before_);
+    }
+    ~SignalsBlocked() { ::pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+    SignalsBlocked(const SignalsBlocked&) = delete;
+    SignalsBlocked& operator=(const SignalsBlocked&) = delete;
+
+private:
+    sigset_t before_{};
+};
 
 /// A stack for the crash handler on the constructing thread, so that the handler also runs when the thread has used up
 /// its own stack. It takes no memory before it is used. A thread that has such a stack already keeps it.

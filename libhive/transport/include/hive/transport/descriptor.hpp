@@ -1,35 +1,10 @@
-// Ownership of an open file descriptor.
+// Descriptors by the name that the layers above use.
 #pragma once
 
-#include <unistd.h>
-
-#include <utility>
+#include <hive/platform/descriptor.hpp>
 
 namespace hive::transport {
 
-class Descriptor {
-public:
-    Descriptor() = default;
-    explicit Descriptor(int number) noexcept : number_(number) {}
-    ~Descriptor()
-    {
-        if (number_ >= 0)
-            ::close(number_);
-    }
-    Descriptor(Descriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
-    Descriptor& operator=(Descriptor&& other) noexcept
-    {
-        std::swap(number_, other.number_);
-        return *this;
-    }
-
-    /// Returns the descriptor and gives up its ownership.
-    [[nodiscard]] int release() noexcept { return std::exchange(number_, -1); }
-    [[nodiscard]] int get() const noexcept { return number_; }
-    explicit operator bool() const noexcept { return number_ >= 0; }
-
-private:
-    int number_ = -1;
-};
+using platform::Descriptor;
 
 }  // namespace hive::transport
