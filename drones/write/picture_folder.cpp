@@ -1,10 +1,10 @@
-// Writes each image to a temporary file first, so that no reader sees a partial one; and chooses between folder and
-// video.
+// Writes each image whole, so that no reader sees a part of it; and chooses between folder and video.
 #include "picture_folder.hpp"
 
 #include "regular_file.hpp"
 #include "video_file.hpp"
 
+#include <hive/platform/whole_file.hpp>
 #include <hive/vision/image.hpp>
 
 #include <array>
@@ -25,20 +25,9 @@ namespace fs = std::filesystem;
 
 void write_file(const fs::path& path, std::span<const unsigned char> bytes)
 {
-    const fs::path part = path.string() + ".part";
-    require_regular_or_missing(part);
-    errno = 0;
-    std::ofstream file(part, std::ios::binary);
-    file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-    file.close();
-    if (!file) {
-        const int reason = errno;
-        std::error_code ignored;
-        fs::remove(part, ignored);
-        errno = reason;
-        refuse(path);
-    }
-    fs::rename(part, path);
+    const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    if (const auto problem = hive::platform::write_whole(path, text, {.mode = 0666}))
+        throw std::system_error(problem, path.string());
 }
 
 std::string numbered(std::int64_t number, const std::string& ending)

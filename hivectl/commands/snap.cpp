@@ -11,11 +11,11 @@
 #include "words/table.hpp"
 #include "words/targets.hpp"
 
+#include <hive/platform/whole_file.hpp>
+
 #include <cerrno>
-#include <cstring>
 #include <fstream>
 #include <optional>
-#include <unistd.h>
 
 namespace hivectl::snap_verb {
 namespace {
@@ -59,28 +59,21 @@ hive::Event next_event(const hive::Endpoint& output, const std::string& file, Se
     return *event;
 }
 
-/// Writes a temporary file and renames it, so that no reader sees a partial file. Keeps links; writes to a pipe or
-/// /dev/null in place.
+/// Keeps links; writes to a pipe or /dev/null in place.
 void save(const std::filesystem::path& named, const hive::Body& body)
 {
     namespace fs = std::filesystem;
     const auto file = !fs::is_symlink(named) ? named
                       : fs::exists(named)    ? fs::canonical(named)
                                              : named.parent_path() / fs::read_symlink(named);
-    const bool replaces = !fs::exists(file) || fs::is_regular_file(file);
-    const fs::path part = replaces ? file.string() + "." + std::to_string(::getpid()) + ".part" : file.string();
-    std::ofstream out(part, std::ios::binary);
-    out.write(reinterpret_cast<const char*>(body.data()), static_cast<std::streamsize>(body.size()));
-    out.close();
+    const std::string_view bytes(reinterpret_cast<const char*>(body.data()), body.size());
     std::error_code problem;
-    if (out && replaces)
-        fs::rename(part, file, problem);
-    if (out && !problem)
-        return;
-    const std::string reason = problem ? problem.message() : std::strerror(errno);
-    if (replaces)
-        fs::remove(part, problem);
-    throw hive::Error(hive::Errc::io, "cannot write " + printable(named.string()) + ": " + reason);
+    if (!fs::exists(file) || fs::is_regular_file(file))
+        problem = hive::platform::write_whole(file, bytes, {.mode = 0666});
+    else if (!(std::ofstream(file, std::ios::binary) << bytes).flush())
+        problem = {errno, std::generic_category()};
+    if (problem)
+        throw hive::Error(hive::Errc::io, "cannot write " + printable(named.string()) + ": " + problem.message());
 }
 
 /// Raw pixels need their header, which a file does not have.

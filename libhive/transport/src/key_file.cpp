@@ -4,7 +4,7 @@
 
 #include <hive/error.hpp>
 #include <hive/json.hpp>
-#include <hive/platform/process.hpp>
+#include <hive/platform/whole_file.hpp>
 #include <hive/transport/descriptor.hpp>
 #include <hive/transport/key_ring.hpp>
 
@@ -150,39 +150,6 @@ std::string text_of(const Descriptor& opened, const fs::path& file)
     return text;
 }
 
-void write_all(int descriptor, const std::string& text, const fs::path& file)
-{
-    for (std::size_t begin = 0; begin < text.size();) {
-        const auto bytes = ::write(descriptor, text.data() + begin, text.size() - begin);
-        if (bytes < 0 && errno == EINTR)
-            continue;
-        if (bytes < 0)
-            throw Error(Errc::io, "cannot write " + file.string() + ": " + os_text(errno));
-        begin += static_cast<std::size_t>(bytes);
-    }
-    if (::fsync(descriptor) != 0)
-        throw Error(Errc::io, "cannot write " + file.string() + ": " + os_text(errno));
-}
-
-/// Renames the file: over an older one, or only if there is none.
-void put_in_place(const fs::path& fresh, const fs::path& file, KeyFileMode mode)
-{
-    const int failed =
-        mode == KeyFileMode::replace ? ::rename(fresh.c_str(), file.c_str()) : ::link(fresh.c_str(), file.c_str());
-    const int why = errno;
-    if (mode == KeyFileMode::fresh || failed != 0)
-        ::unlink(fresh.c_str());
-    if (failed != 0 && why == EEXIST)
-        throw Error(Errc::name_taken, "there is a swarm key already: " + file.string(),
-                    "rotate it: hivectl key rotate; or use another file");
-    if (failed != 0)
-        throw Error(Errc::io, "cannot write " + file.string() + ": " + os_text(why));
-}
-
-}  // namespace
-
-namespace {
-
 std::string variable(const char* name) { return std::getenv(name) ? std::getenv(name) : ""; }
 
 }  // namespace
@@ -245,18 +212,13 @@ void write_key_file(const fs::path& file, const std::vector<SwarmKey>& keys, Key
         if (problem)
             throw Error(Errc::io, "cannot make " + file.parent_path().string() + ": " + problem.message());
     }
-    const fs::path fresh = file.string() + "." + std::to_string(platform::own_pid()) + ".new";
-    ::unlink(fresh.c_str());  // left by a killed process with this pid
-    const Descriptor opened(::open(fresh.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600));
-    if (!opened)
-        throw Error(Errc::io, "cannot write " + fresh.string() + ": " + os_text(errno));
-    try {
-        write_all(opened.get(), to_json(keys).dump(2) + "\n", fresh);
-    } catch (const Error&) {
-        ::unlink(fresh.c_str());
-        throw;
-    }
-    put_in_place(fresh, file, mode);
+    const auto failed = platform::write_whole(file, to_json(keys).dump(2) + "\n",
+                                              {.replaces = mode == KeyFileMode::replace, .durable = true});
+    if (failed == std::errc::file_exists)
+        throw Error(Errc::name_taken, "there is a swarm key already: " + file.string(),
+                    "rotate it: hivectl key rotate; or use another file");
+    if (failed)
+        throw Error(Errc::io, "cannot write " + file.string() + ": " + failed.message());
 }
 
 }  // namespace hive
