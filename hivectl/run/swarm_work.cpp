@@ -1,7 +1,8 @@
-// Prints one line of progress, and the failures per drone.
+// Prints one line of progress, and the failures.
 #include "run/swarm_work.hpp"
 
 #include "words/exit_code.hpp"
+#include "words/failures.hpp"
 #include "words/output.hpp"
 #include "words/table.hpp"
 
@@ -25,11 +26,12 @@ void SwarmWork::show() { waiting_.now_for(drones_ + progress_); }
 
 int complain_about(std::string_view verb, const hive::SwarmOutcome& outcome)
 {
-    for (const auto& [drone, error] : outcome.failures)
-        complain_about(verb, error, drone);
-    const std::string remains = outcome.failures.empty() ? "cannot stop: " : "not undone: ";
-    for (const auto& [drone, error] : outcome.remains)
-        complain_about(verb, error.reworded(remains + error.what()), drone);
+    complain_about(verb, outcome.failures);
+    const std::string subject = outcome.failures.empty() ? "cannot stop: " : "not undone: ";
+    auto remains = outcome.remains;
+    for (auto& [drone, error] : remains)
+        error = error.reworded(subject + error.what());
+    complain_about(verb, remains);
     if (interrupt::requested())
         return interrupt::exit_code();
     if (!outcome.failures.empty())

@@ -81,6 +81,7 @@ std::string explained(const hive::Error& error, std::string_view subject)
 }
 
 void print_failures_as_json() { as_json = true; }
+bool prints_failures_as_json() { return as_json; }
 
 void complain_about(std::string_view verb, const hive::Error& error, std::string_view subject)
 {

@@ -35,6 +35,7 @@ std::string explained(const hive::Error& error, std::string_view subject = {});
 
 /// From now on, each failure is one line of JSON on stderr, as `hive::failure_in` reads it.
 void print_failures_as_json();
+bool prints_failures_as_json();
 /// Prints the failure and advice on stderr.
 /// @param subject  the drone or port that the error concerns, if known
 void complain_about(std::string_view verb, const hive::Error& error, std::string_view subject = {});

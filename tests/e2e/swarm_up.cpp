@@ -145,6 +145,28 @@ TEST_CASE("up: a drone that falls when it has its name, before it is ready, is t
     CHECK(has_processes(swarm, 0));
 }
 
+TEST_CASE("up: of many drones that fail alike the first 20 are named and the others counted, with --json all are named")
+{
+    const Programs programs({"hive-hangs"}, "#!/bin/sh\n"
+                                            "[ \"$1\" = --describe ] || exec sleep 60\n"
+                                            "echo '{\"kind\": \"hangs\", \"version\": \"1\", \"summary\": \"Hangs.\","
+                                            " \"inputs\": [], \"outputs\": [], \"parameters\": []}'\n");
+    const Swarm swarm;
+    const File file(swarm, {{"swarm", "work"}, {"drones", {{"slow", {{"kind", "hangs"}, {"count", 23}}}}}});
+    const auto refused = [&](std::vector<std::string> words) {
+        words.insert(words.begin(), {"up", file, "--timeout", "3"});
+        const auto finished = swarm.hivectl(words, 60'000ms);
+        CHECK_MESSAGE(finished.exit_code == 5, finished.err);
+        int named = 0;
+        for (int i = 1; i <= 23; ++i)
+            named += has(finished.err, "slow-" + std::to_string(i) + " was not ready in time") ? 1 : 0;
+        return std::pair(named, has(finished.err, "and 3 more of the same kind; see all: --json\n"));
+    };
+    CHECK(refused({}) == std::pair(20, true));
+    CHECK(refused({"--json"}) == std::pair(23, false));
+    CHECK(has_processes(swarm, 0));
+}
+
 TEST_CASE("up: when a running drone refuses a value, the values and connections made before are taken back")
 {
     const Swarm swarm;

@@ -1,5 +1,6 @@
 // Tests of exit codes and of the sentences for errors.
 #include "words/exit_code.hpp"
+#include "words/failures.hpp"
 #include "programs_for_tests.hpp"
 
 #include <doctest/doctest.h>
@@ -68,6 +69,22 @@ TEST_CASE("error texts: the error's own advice stands behind its text, or else t
     CHECK(explained(Error(Errc::halted, "face has halted")) == "face has halted; resume it: hivectl resume NAME");
     CHECK(explained(Error(Errc::halted, "face has halted", "wait")) == "face has halted; wait");
     CHECK(explained(Error(Errc::refused, "no")) == "no");
+}
+
+TEST_CASE("failures: those that differ in the drone's name and in numbers are alike, others are not")
+{
+    const auto failure = [](const std::string& drone, const std::string& text) {
+        return hive::SwarmFailure{drone, Error(Errc::failed, text)};
+    };
+    const auto groups = alike({failure("face-1", "face-1 ended with exit code 7:\none log"),
+                               failure("camera", "cannot open /dev/video0"),
+                               failure("face-12", "face-12 ended with exit code 9:\nanother log"),
+                               failure("face-13", "face-13 did not start"), failure("e", "e ended with exit code 7:")});
+    REQUIRE(groups.size() == 3);
+    CHECK(groups[0].size() == 3);
+    CHECK(groups[0][1].drone == "face-12");
+    CHECK(groups[1][0].drone == "camera");
+    CHECK(alike({}).empty());
 }
 
 TEST_CASE("error texts: what a text says is never taken for advice")
