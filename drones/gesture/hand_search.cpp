@@ -24,7 +24,6 @@ constexpr double smallest_place = 5;  ///< px
 /// A wall may have nearly the colour of skin: then a stricter look parts the hand from it.
 constexpr std::array<double, 3> strictnesses{1, 0.6, 0.35};
 constexpr std::size_t most_places = 30;
-constexpr int most_asked = 12;  ///< places of one image that the landmarks' network is shown
 /// In radii of the palm: how far a hand reaches from its middle; how large the close look is, px.
 constexpr double reach = 3.3, close_radius = 46;
 constexpr double largest_enlargement = 6;
@@ -125,7 +124,7 @@ std::vector<Hand> HandSearch::find(const cv::Mat& picture)
                 candidates.push_back(std::move(*candidate));
             }
     }
-    return best_of(picture, std::move(candidates));
+    return best_of(std::move(candidates));
 }
 
 /// The largest first.
@@ -228,24 +227,18 @@ std::optional<HandSearch::Candidate> HandSearch::look_at(const cv::Mat& picture,
 }
 
 /// Of several that lie within one another only the best.
-std::vector<Hand> HandSearch::best_of(const cv::Mat& picture, std::vector<Candidate> candidates)
+std::vector<Hand> HandSearch::best_of(std::vector<Candidate> candidates) const
 {
     std::ranges::stable_sort(candidates, std::ranges::greater{}, &Candidate::worth);
     std::vector<Hand> hands;
-    int asked = 0;
     for (const Candidate& candidate : candidates) {
         const auto same = [&](const Hand& other) {
             const double apart = std::hypot(other.palm.x - candidate.hand.palm.x, other.palm.y - candidate.hand.palm.y);
             return apart < reach * other.radius;
         };
-        if (hands.size() == static_cast<std::size_t>(max_hands) || std::ranges::any_of(hands, same))
-            continue;
-        if (!landmarks) {
-            if (candidate.worth >= least_worth)
-                hands.push_back(candidate.hand);
-        } else if (asked++ < most_asked)
-            if (auto read = landmarks->read(picture, candidate.hand))
-                hands.push_back(std::move(*read));
+        if (candidate.worth >= least_worth && hands.size() < static_cast<std::size_t>(max_hands)
+            && std::ranges::none_of(hands, same))
+            hands.push_back(candidate.hand);
     }
     return hands;
 }

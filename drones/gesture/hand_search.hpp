@@ -2,12 +2,12 @@
 #pragma once
 
 #include "gesture_finder.hpp"
-#include "landmarks.hpp"
 #include "silhouette.hpp"
 #include "skin.hpp"
 
 #include <opencv2/objdetect.hpp>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,8 +23,6 @@ public:
     double tolerance = 3;  ///< how far a colour may be from that of the skin, standard deviations
     cv::Rect region;       ///< of skin, px; empty: detect a face
     SkinRange range;       ///< without a face and a region
-    /// Decides which of the best places is a hand, and reads it; null: decide by the outline.
-    std::optional<HandLandmarks> landmarks;
 
     /// The cascade that finds faces; without one there is no face detection. @throws std::runtime_error  with the
     /// reason
@@ -54,7 +52,7 @@ private:
     [[nodiscard]] static std::vector<Place> places_in(const cv::Mat& skin, double smallest, double largest);
     [[nodiscard]] static std::optional<Candidate> look_at(const cv::Mat& picture, const cv::Mat& skin,
                                                           const Place& place);
-    [[nodiscard]] std::vector<Hand> best_of(const cv::Mat& picture, std::vector<Candidate> candidates);
+    [[nodiscard]] std::vector<Hand> best_of(std::vector<Candidate> candidates) const;
 
     cv::CascadeClassifier cascade_;
 };

@@ -87,11 +87,6 @@ public:
         if (cascade_ != loaded_)
             search_.load_faces(cascade_);
         loaded_ = cascade_;
-        if (landmarks_.empty())
-            search_.landmarks.reset();
-        else if (landmarks_ != loaded_landmarks_)
-            search_.landmarks = gesture::HandLandmarks(landmarks_);  // loaded first: a failure keeps the old one
-        loaded_landmarks_ = landmarks_;
         search_.region = region;
         search_.range = silhouette_.skin;
         search_.max_hands = finder_.max_hands;
@@ -114,8 +109,6 @@ private:
                         "search: maximum distance from that skin colour, in standard deviations");
         drone.parameter("cascade", cascade_, hive::anything().by_operator(),
                         "search: face cascade file; empty: do not look for faces");
-        drone.parameter("landmarks", landmarks_, hive::anything().by_operator(),
-                        "search: ONNX hand landmark model; empty: count fingers by the outline");
     }
 
     void declare_skin(hive::Drone& drone)
@@ -130,7 +123,7 @@ private:
         drone.parameter("cb_max", skin.cb_max, byte, "skin: maximum Cb");
     }
 
-    std::string from_ = "auto", region_, loaded_, landmarks_, loaded_landmarks_,
+    std::string from_ = "auto", region_, loaded_,
                 cascade_ = "/usr/share/opencv4/haarcascades/haarcascade_frontalface_alt2.xml";
     gesture::Silhouette silhouette_;
     gesture::GestureFinder finder_;
