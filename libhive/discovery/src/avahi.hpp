@@ -13,32 +13,22 @@
 
 namespace hive::discovery {
 
-/// Each is the function of <avahi-...> with the prefix "avahi_".
+/// The used functions of <avahi-...>, without their prefix "avahi_".
+// clang-format off
+#define HIVE_AVAHI_FUNCTIONS(use) \
+    use(client_new) use(client_free) use(client_errno) use(client_get_host_name) \
+    use(client_get_local_service_cookie) use(entry_group_new) use(entry_group_add_service_strlst) \
+    use(entry_group_update_service_txt_strlst) use(entry_group_commit) use(entry_group_reset) \
+    use(service_browser_new) use(service_resolver_new) use(service_resolver_free) use(simple_poll_new) \
+    use(simple_poll_get) use(simple_poll_iterate) use(simple_poll_wakeup) use(simple_poll_free) \
+    use(string_list_new_from_array) use(string_list_free) use(address_snprint) use(alternative_service_name) \
+    use(free) use(strerror)
+// clang-format on
+
 struct Avahi {
-    decltype(&::avahi_client_new) client_new;
-    decltype(&::avahi_client_free) client_free;
-    decltype(&::avahi_client_errno) client_errno;
-    decltype(&::avahi_client_get_host_name) client_get_host_name;
-    decltype(&::avahi_client_get_local_service_cookie) client_get_local_service_cookie;
-    decltype(&::avahi_entry_group_new) entry_group_new;
-    decltype(&::avahi_entry_group_add_service_strlst) entry_group_add_service_strlst;
-    decltype(&::avahi_entry_group_update_service_txt_strlst) entry_group_update_service_txt_strlst;
-    decltype(&::avahi_entry_group_commit) entry_group_commit;
-    decltype(&::avahi_entry_group_reset) entry_group_reset;
-    decltype(&::avahi_service_browser_new) service_browser_new;
-    decltype(&::avahi_service_resolver_new) service_resolver_new;
-    decltype(&::avahi_service_resolver_free) service_resolver_free;
-    decltype(&::avahi_simple_poll_new) simple_poll_new;
-    decltype(&::avahi_simple_poll_get) simple_poll_get;
-    decltype(&::avahi_simple_poll_iterate) simple_poll_iterate;
-    decltype(&::avahi_simple_poll_wakeup) simple_poll_wakeup;
-    decltype(&::avahi_simple_poll_free) simple_poll_free;
-    decltype(&::avahi_string_list_new_from_array) string_list_new_from_array;
-    decltype(&::avahi_string_list_free) string_list_free;
-    decltype(&::avahi_address_snprint) address_snprint;
-    decltype(&::avahi_alternative_service_name) alternative_service_name;
-    decltype(&::avahi_free) free;
-    decltype(&::avahi_strerror) strerror;
+#define HIVE_DECLARE(name) decltype(&::avahi_##name) name;
+    HIVE_AVAHI_FUNCTIONS(HIVE_DECLARE)
+#undef HIVE_DECLARE
 };
 
 /// Null if this machine does not have them. Any thread; the first call loads them, and they are never unloaded.
