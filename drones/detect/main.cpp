@@ -3,15 +3,7 @@
 #include "people_finder.hpp"
 
 #include <colours.hpp>
-#include <hive/drone.hpp>
-#include <hive/vision/annotated.hpp>
-#include <hive/vision/encoder.hpp>
-#include <hive/vision/image.hpp>
-#include <media_fields.hpp>
-
-#include <opencv2/core/utility.hpp>
-#include <opencv2/core/utils/logger.hpp>
-#include <opencv2/imgproc.hpp>
+#include <finder_drone.hpp>
 
 #include <cmath>
 #include <optional>
@@ -105,6 +97,12 @@ public:
         return network_->find(picture);
     }
 
+    static hive::Json header(const std::vector<Object>& found, const cv::Mat& picture)
+    {
+        return to_header(found, picture);
+    }
+    static void draw(cv::Mat& canvas, const std::vector<Object>& found) { detect::draw(canvas, found); }
+
 private:
     void declare_people(hive::Drone& drone)
     {
@@ -157,39 +155,17 @@ private:
     std::optional<detect::Network> network_;
 };
 
-void detect_drone(hive::Drone& drone)
-{
-    Detector detector;
-    detector.declare(drone);
-    const hive::Output objects = drone.output("objects", "application/json", "the boxes, in the header; no body");
-    const hive::Output annotated = drone.output("annotated", hive::vision::image_types,
-                                                "the image with boxes around the objects", hive::vision::encoder());
-    hive::vision::LoanAllocator loans([&](std::size_t bytes) { return annotated.loan(bytes); });
-    drone.on_start([&] {
-        cv::setNumThreads(1);  // one drone, one core: to use more, start more drones
-        cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);  // relevant errors are exceptions
-        detector.apply();
-    });
-    drone.on_change([&] { detector.apply(); });
-    drone.on_event(
-        "image", hive::vision::image_types,
-        [&](const hive::Event& event) {
-            const cv::Mat picture = hive::vision::view(event);
-            const auto found = detector.find(picture);
-            hive::Json header = to_header(found, picture);
-            media_fields::pass_on(event.header, header);
-            objects.emit(header);
-            hive::vision::emit_annotated(annotated, loans, std::move(header), picture,
-                                         [&](cv::Mat& canvas) { detect::draw(canvas, found); });
-        },
-        "images to search for objects");
-    drone.run();
-}
-
 }  // namespace
 
 int main(int argc, char** argv)
 {
     return hive::run_drone(argc, argv, {"detect", "Finds people, or the classes of an ONNX model, in images."},
-                           detect_drone);
+                           [](hive::Drone& drone) {
+                               finder_drone::run(drone, Detector(),
+                                                 {.input = "image",
+                                                  .input_help = "images to search for objects",
+                                                  .output = "objects",
+                                                  .output_help = "the boxes, in the header; no body",
+                                                  .annotated_help = "the image with boxes around the objects"});
+                           });
 }

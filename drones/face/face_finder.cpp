@@ -1,29 +1,16 @@
 // Converts the image to grey, applies the cascade, and sorts the boxes.
 #include "face_finder.hpp"
 
+#include <cascade.hpp>
+
 #include <opencv2/imgproc.hpp>
 
 #include <algorithm>
-#include <filesystem>
-#include <stdexcept>
 #include <tuple>
 
 namespace face {
 
-void FaceFinder::load(const std::string& cascade_path)
-{
-    if (!std::filesystem::exists(cascade_path))
-        throw std::runtime_error("no cascade at " + cascade_path + " (Debian: apt install opencv-data)");
-    cv::CascadeClassifier loaded;
-    bool good = false;
-    try {
-        good = loaded.load(cascade_path);
-    } catch (const cv::Exception&) {  // not XML; the error below suffices
-    }
-    if (!good)
-        throw std::runtime_error(cascade_path + " is not a cascade");
-    cascade_ = loaded;
-}
+void FaceFinder::load(const std::string& cascade_path) { cascade_ = cascade::load(cascade_path); }
 
 std::vector<cv::Rect> FaceFinder::find(const cv::Mat& picture)
 {

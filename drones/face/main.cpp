@@ -2,14 +2,7 @@
 #include "face_finder.hpp"
 #include "yunet_finder.hpp"
 
-#include <hive/drone.hpp>
-#include <hive/vision/annotated.hpp>
-#include <hive/vision/encoder.hpp>
-#include <hive/vision/image.hpp>
-#include <media_fields.hpp>
-
-#include <opencv2/core/utility.hpp>
-#include <opencv2/core/utils/logger.hpp>
+#include <finder_drone.hpp>
 
 #include <cmath>
 #include <optional>
@@ -80,7 +73,19 @@ public:
         return faces;
     }
 
-    [[nodiscard]] bool scores() const { return network_.has_value(); }
+    [[nodiscard]] hive::Json header(const std::vector<Face>& found, const cv::Mat& picture) const
+    {
+        hive::Json list = hive::Json::array();
+        for (const Face& one : found)
+            list.push_back(to_json(one, network_.has_value()));
+        return {{"faces", std::move(list)}, {"width", picture.cols}, {"height", picture.rows}};
+    }
+
+    static void draw(cv::Mat& canvas, const std::vector<Face>& found)
+    {
+        for (const Face& one : found)
+            FaceFinder::draw(canvas, {one.box});
+    }
 
 private:
     FaceFinder cascades_;
@@ -89,48 +94,16 @@ private:
     double min_score_ = 0.8, overlap_ = 0.3;
 };
 
-hive::Json to_header(const std::vector<Face>& faces, bool scored, const cv::Mat& picture)
-{
-    hive::Json list = hive::Json::array();
-    for (const Face& one : faces)
-        list.push_back(to_json(one, scored));
-    return {{"faces", std::move(list)}, {"width", picture.cols}, {"height", picture.rows}};
-}
-
-void face_drone(hive::Drone& drone)
-{
-    Detector detector;
-    detector.declare(drone);
-    const hive::Output faces = drone.output("faces", "application/json", "the boxes, in the header; no body");
-    const hive::Output annotated = drone.output("annotated", hive::vision::image_types,
-                                                "the image with boxes around the faces", hive::vision::encoder());
-    hive::vision::LoanAllocator loans([&](std::size_t bytes) { return annotated.loan(bytes); });
-    drone.on_start([&] {
-        cv::setNumThreads(1);  // one drone, one core: to use more, start more drones
-        cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);  // relevant errors are exceptions
-        detector.apply();
-    });
-    drone.on_change([&] { detector.apply(); });
-    drone.on_event(
-        "image", hive::vision::image_types,
-        [&](const hive::Event& event) {
-            const cv::Mat picture = hive::vision::view(event);
-            const auto found = detector.find(picture);
-            hive::Json header = to_header(found, detector.scores(), picture);
-            media_fields::pass_on(event.header, header);
-            faces.emit(header);
-            hive::vision::emit_annotated(annotated, loans, std::move(header), picture, [&](cv::Mat& canvas) {
-                for (const Face& one : found)
-                    FaceFinder::draw(canvas, {one.box});
-            });
-        },
-        "images to search for faces");
-    drone.run();
-}
-
 }  // namespace
 
 int main(int argc, char** argv)
 {
-    return hive::run_drone(argc, argv, {"face", "Finds frontal faces in images."}, face_drone);
+    return hive::run_drone(argc, argv, {"face", "Finds frontal faces in images."}, [](hive::Drone& drone) {
+        finder_drone::run(drone, Detector(),
+                          {.input = "image",
+                           .input_help = "images to search for faces",
+                           .output = "faces",
+                           .output_help = "the boxes, in the header; no body",
+                           .annotated_help = "the image with boxes around the faces"});
+    });
 }

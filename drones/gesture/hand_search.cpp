@@ -1,14 +1,14 @@
 // Finds skin, then places for palms, then examines each.
 #include "hand_search.hpp"
 
+#include <cascade.hpp>
+
 #include <opencv2/imgproc.hpp>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <filesystem>
 #include <numbers>
-#include <stdexcept>
 
 namespace gesture {
 namespace {
@@ -85,19 +85,7 @@ void move_back(Hand& hand, const cv::Point& corner, double scale)
 
 void HandSearch::load_faces(const std::string& cascade_path)
 {
-    cv::CascadeClassifier loaded;
-    if (!cascade_path.empty()) {
-        if (!std::filesystem::is_regular_file(cascade_path))
-            throw std::runtime_error("no cascade at " + cascade_path + " (Debian: apt install opencv-data)");
-        bool good = false;
-        try {
-            good = loaded.load(cascade_path);
-        } catch (const cv::Exception&) {  // not XML; the error below suffices
-        }
-        if (!good)
-            throw std::runtime_error(cascade_path + " is not a cascade");
-    }
-    cascade_ = loaded;
+    cascade_ = cascade_path.empty() ? cv::CascadeClassifier() : cascade::load(cascade_path);
 }
 
 std::vector<Hand> HandSearch::find(const cv::Mat& picture)

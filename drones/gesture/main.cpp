@@ -1,15 +1,7 @@
 // The gesture drone receives silhouettes or images, and publishes hands and their fingers.
 #include "hand_search.hpp"
 
-#include <hive/drone.hpp>
-#include <hive/vision/annotated.hpp>
-#include <hive/vision/encoder.hpp>
-#include <hive/vision/image.hpp>
-#include <media_fields.hpp>
-
-#include <opencv2/core/utility.hpp>
-#include <opencv2/core/utils/logger.hpp>
-#include <opencv2/imgproc.hpp>
+#include <finder_drone.hpp>
 
 #include <cmath>
 #include <cstdio>
@@ -37,14 +29,6 @@ hive::Json to_json(const Hand& hand)
     if (hand.angle)
         json["angle"] = tenths(*hand.angle);
     return json;
-}
-
-hive::Json to_header(const std::vector<Hand>& hands, const cv::Mat& picture)
-{
-    hive::Json list = hive::Json::array();
-    for (const Hand& hand : hands)
-        list.push_back(to_json(hand));
-    return {{"hands", std::move(list)}, {"width", picture.cols}, {"height", picture.rows}};
 }
 
 /// "x,y,w,h"; empty: no region. @throws hive::Error
@@ -100,6 +84,16 @@ public:
         return finder_.find(silhouette_.of(picture));
     }
 
+    static hive::Json header(const std::vector<Hand>& found, const cv::Mat& picture)
+    {
+        hive::Json list = hive::Json::array();
+        for (const Hand& hand : found)
+            list.push_back(to_json(hand));
+        return {{"hands", std::move(list)}, {"width", picture.cols}, {"height", picture.rows}};
+    }
+
+    static void draw(cv::Mat& canvas, const std::vector<Hand>& found) { gesture::draw(canvas, found); }
+
 private:
     void declare_search(hive::Drone& drone)
     {
@@ -130,38 +124,17 @@ private:
     gesture::HandSearch search_;
 };
 
-void gesture_drone(hive::Drone& drone)
-{
-    Reader reader;
-    reader.declare(drone);
-    const hive::Output gestures = drone.output("gesture", "application/json", "the hands, in the header; no body");
-    const hive::Output annotated = drone.output("annotated", hive::vision::image_types,
-                                                "the image with the hands marked", hive::vision::encoder());
-    hive::vision::LoanAllocator loans([&](std::size_t bytes) { return annotated.loan(bytes); });
-    drone.on_start([&] {
-        cv::setNumThreads(1);  // one drone, one core: to use more, start more drones
-        cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);  // relevant errors are exceptions
-        reader.apply();
-    });
-    drone.on_change([&] { reader.apply(); });
-    drone.on_event(
-        "mask", hive::vision::image_types,
-        [&](const hive::Event& event) {
-            const cv::Mat picture = hive::vision::view(event);
-            const auto hands = reader.find(picture);
-            hive::Json header = to_header(hands, picture);
-            media_fields::pass_on(event.header, header);
-            gestures.emit(header);
-            hive::vision::emit_annotated(annotated, loans, std::move(header), picture,
-                                         [&](cv::Mat& canvas) { gesture::draw(canvas, hands); });
-        },
-        "masks, or images to search for hands");
-    drone.run();
-}
-
 }  // namespace
 
 int main(int argc, char** argv)
 {
-    return hive::run_drone(argc, argv, {"gesture", "Finds hands in images and counts their fingers."}, gesture_drone);
+    return hive::run_drone(argc, argv, {"gesture", "Finds hands in images and counts their fingers."},
+                           [](hive::Drone& drone) {
+                               finder_drone::run(drone, Reader(),
+                                                 {.input = "mask",
+                                                  .input_help = "masks, or images to search for hands",
+                                                  .output = "gesture",
+                                                  .output_help = "the hands, in the header; no body",
+                                                  .annotated_help = "the image with the hands marked"});
+                           });
 }
