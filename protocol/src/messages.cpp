@@ -164,13 +164,13 @@ End end_from_json(const Json& object)
     return end;
 }
 
-Json to_json(const Confirmation& confirmation)
+Json to_json(Confirmation confirmation)
 {
     Json json{{"id", confirmation.id}};
     if (confirmation.time_us != 0)
         json["time_us"] = confirmation.time_us;
     if (confirmation.ok) {
-        json["result"] = confirmation.result.is_null() ? Json::object() : confirmation.result;
+        json["result"] = confirmation.result.is_null() ? Json::object() : std::move(confirmation.result);
         return json;
     }
     Json error{{"code", info(confirmation.code).token}, {"text", confirmation.text}};
@@ -180,7 +180,7 @@ Json to_json(const Confirmation& confirmation)
     return json;
 }
 
-Confirmation confirmation_from_json(const Json& object)
+Confirmation confirmation_from_json(Json object)
 {
     const Fields fields(object, "confirmation");
     Confirmation confirmation;
@@ -193,7 +193,8 @@ Confirmation confirmation_from_json(const Json& object)
         confirmation.text = shortened(error.text_or("text", ""));
         confirmation.advice = shortened(error.text_or("advice", ""));
     } else {
-        confirmation.result = fields.object("result");
+        static_cast<void>(fields.object("result"));
+        confirmation.result = std::move(object["result"]);
     }
     return confirmation;
 }

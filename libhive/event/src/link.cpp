@@ -114,9 +114,9 @@ void Link::on_hello(const Packet& packet)
     events_.opened(*this);
 }
 
-void Link::on_confirmation(const Json& header)
+void Link::on_confirmation(Json header)
 {
-    const auto confirmation = protocol::confirmation_from_json(header);
+    auto confirmation = protocol::confirmation_from_json(std::move(header));
     const auto found = pending_.find(confirmation.id);
     if (found == pending_.end())
         return;  // its deadline has passed
@@ -125,7 +125,7 @@ void Link::on_confirmation(const Json& header)
     const auto on_outcome = std::move(found->second.on_outcome);
     pending_.erase(found);
     if (confirmation.ok)
-        on_outcome(confirmation.result);
+        on_outcome(std::move(confirmation.result));
     else
         on_outcome(Error(confirmation.code, confirmation.text, confirmation.advice));
 }
@@ -171,7 +171,7 @@ void Link::ask_time()
             [this](const Outcome&) { asking_time_ = false; });
 }
 
-void Link::answer(std::int64_t id, const Outcome& outcome)
+void Link::answer(std::int64_t id, Outcome outcome)
 {
     protocol::Confirmation confirmation{
         .id = id, .result = {}, .ok = true, .code = {}, .text = {}, .advice = {}, .time_us = local() ? 0 : wall_us()};
@@ -181,9 +181,9 @@ void Link::answer(std::int64_t id, const Outcome& outcome)
         confirmation.text = shortened(error->what());
         confirmation.advice = shortened(error->advice());
     } else {
-        confirmation.result = std::get<Json>(outcome);
+        confirmation.result = std::get<Json>(std::move(outcome));
     }
-    const Json header = protocol::to_json(confirmation);
+    const Json header = protocol::to_json(std::move(confirmation));
     auto text = to_text(header);
     try {
         require_acceptable(header, text, {});

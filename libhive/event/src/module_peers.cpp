@@ -50,11 +50,11 @@ void Module::on_packet(Link& link, const protocol::Packet& packet)
             outlet.request(link, packet.channel, request);
         return arm();
     }
-    const Json header = parse_json(packet.header_text());
+    Json header = parse_json(packet.header_text());
     switch (packet.type) {
     case PacketType::register_receiver: return on_register(link, packet, header);
     case PacketType::deregister: return on_deregister(link, packet, header);
-    default: return on_request_packet(link, packet, header);
+    default: return on_request_packet(link, packet, std::move(header));
     }
 }
 
@@ -143,7 +143,7 @@ void Module::on_deregister(Link& link, const protocol::Packet& packet, const Jso
     }
 }
 
-void Module::on_request_packet(Link& link, const protocol::Packet& packet, const Json& header)
+void Module::on_request_packet(Link& link, const protocol::Packet& packet, Json header)
 {
     const RequestFields request(packet, header);
     const auto id = request.id;
@@ -162,7 +162,7 @@ void Module::on_request_packet(Link& link, const protocol::Packet& packet, const
                              .peer_epoch = link.peer().epoch,
                              .role = link.credentials().role,
                              .peer_place = link.connection().peer(),
-                             .header = header,
+                             .header = std::move(header),
                              .body = packet.body,
                              .asked = asked,
                              .answer = answer,
@@ -181,23 +181,23 @@ void Module::on_request_packet(Link& link, const protocol::Packet& packet, const
 }
 
 /// Sends the first answer to a request, from any thread.
-std::function<void(const Outcome&)> Module::answer_to(Link& link, const std::shared_ptr<Asked>& asked)
+OnOutcome Module::answer_to(Link& link, const std::shared_ptr<Asked>& asked)
 {
     link.asked.push_back(asked);
-    const auto send = [weak = link.weak_from_this(), asked](const Outcome& outcome) {
+    const auto send = [weak = link.weak_from_this(), asked](Outcome outcome) {
         const auto to = weak.lock();
         if (!to || !asked->answer())
             return;
         std::erase(to->asked, asked);
         if (to->open())
-            to->answer(asked->id(), outcome);
+            to->answer(asked->id(), std::move(outcome));
     };
-    return [weak = weak_loop(), send](const Outcome& outcome) {
+    return [weak = weak_loop(), send](Outcome outcome) {
         const auto loop = weak.lock();
         if (loop && loop->has_turn())
-            send(outcome);
+            send(std::move(outcome));
         else if (loop)
-            loop->post([send, outcome] { send(outcome); });
+            loop->post([send, outcome = std::move(outcome)] { send(outcome); });
     };
 }
 

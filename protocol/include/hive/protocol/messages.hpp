@@ -118,7 +118,7 @@ struct Confirmation {
     std::string text, advice{};
     std::int64_t time_us = 0;  ///< wall clock of the answering module; 0: not given
 };
-Json to_json(const Confirmation& confirmation);
-Confirmation confirmation_from_json(const Json& object);
+Json to_json(Confirmation confirmation);
+Confirmation confirmation_from_json(Json object);
 
 }  // namespace hive::protocol

@@ -20,7 +20,7 @@ namespace hive::event {
 
 /// The outcome of a request: a result object or an error.
 using Outcome = Result<Json>;
-using OnOutcome = std::function<void(const Outcome&)>;
+using OnOutcome = std::function<void(Outcome)>;
 
 /// A request of the peer that waits to be taken up before its deadline, and then for its answer. Any thread.
 class Asked {
@@ -88,7 +88,7 @@ public:
     void request(protocol::PacketType type, Json header, Body body, Clock::time_point deadline, OnOutcome on_outcome,
                  std::uint16_t channel = 0);
     /// Confirms a request. An answer over the limits of a header becomes Errc::too_large.
-    void answer(std::int64_t id, const Outcome& outcome);
+    void answer(std::int64_t id, Outcome outcome);
     /// Fails the requests whose deadline has passed.
     void expire(Clock::time_point now);
     /// Is any deadline pending?
@@ -124,7 +124,7 @@ private:
     void on_packet(const protocol::Packet& packet);
     void take(const protocol::Packet& packet);
     void on_hello(const protocol::Packet& packet);
-    void on_confirmation(const Json& header);
+    void on_confirmation(Json header);
     void on_closed(const Error& reason);
 
     [[nodiscard]] protocol::Direction to_here() const;

@@ -37,7 +37,7 @@ struct Incoming {
     Json header;
     Body body;
     std::shared_ptr<Asked> asked;  ///< to be taken up by code that must not act after the deadline
-    std::function<void(Outcome)> answer;
+    OnOutcome answer;
     const void* connection = nullptr;  ///< identifies the connection of the request, as long as it lasts
     std::function<bool()> connected;   ///< network side: is that connection still open?
 };
@@ -182,8 +182,8 @@ private:
     [[nodiscard]] Json confirmation(const Outlet& sender, const Welcome& welcome) const;
     void require_free(const Link& link, std::uint16_t channel) const;
     void on_deregister(Link& link, const protocol::Packet& packet, const Json& header);
-    void on_request_packet(Link& link, const protocol::Packet& packet, const Json& header);
-    std::function<void(const Outcome&)> answer_to(Link& link, const std::shared_ptr<Asked>& asked);
+    void on_request_packet(Link& link, const protocol::Packet& packet, Json header);
+    OnOutcome answer_to(Link& link, const std::shared_ptr<Asked>& asked);
     void expire_asked(Link& link, Clock::time_point now);
     void come_through_the_socket(const std::string& peer);
     void on_closed(Link& link, const Error& reason);
