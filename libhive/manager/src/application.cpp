@@ -96,9 +96,10 @@ Interface Application::describe(const std::string& drone)
 namespace {
 
 /// The parameters in the answer of a drone. Any other answer is malformed.
-Json parameters_in(const std::string& drone, const Json& result)
+Json parameters_in(const std::string& drone, Json result)
 {
-    return Fields(result, "the answer of " + drone).object("parameters");
+    static_cast<void>(Fields(result, "the answer of " + drone).object("parameters"));
+    return std::move(result["parameters"]);
 }
 
 /// Reduces each answer to its parameters.
@@ -107,7 +108,7 @@ void keep_parameters(std::vector<Answer>& answers)
     for (auto& answer : answers)
         try {
             if (!answer.error)
-                answer.result = parameters_in(answer.drone, answer.result);
+                answer.result = parameters_in(answer.drone, std::move(answer.result));
         } catch (const Error& error) {
             answer.error = error;
         }

@@ -145,7 +145,7 @@ Error Application::Core::not_running(const std::string& drone) const
                    advice_if_missing ? advice_if_missing(drone) : "");
 }
 
-/// One request to one drone.
+/// One request to one drone, shared by the callbacks that wait for its answer.
 struct Application::Core::Asking {
     Place place;
     protocol::PacketType type;
@@ -153,40 +153,37 @@ struct Application::Core::Asking {
     Body body;
     event::Clock::time_point until;
     bool again;  ///< retry if the connection ends before the answer
-    std::shared_ptr<std::optional<event::Outcome>> reply = std::make_shared<std::optional<event::Outcome>>();
+    Reply reply = std::make_shared<std::optional<event::Outcome>>();
 };
 
 Application::Core::Reply Application::Core::send(const Place& place, protocol::PacketType type, const Json& header,
                                                  const Body& body, event::Clock::time_point until)
 {
-    const Asking asking{place, type, header, body, until, changes_nothing(type)};
+    const auto asking = std::make_shared<Asking>(Asking{place, type, header, body, until, changes_nothing(type)});
     module.loop().perform([this, asking] { begin(asking); });
-    return asking.reply;
+    return asking->reply;
 }
 
 /// A replaced process closes its connections; a request to it is then retried at its successor.
-void Application::Core::begin(const Asking& asking)
+void Application::Core::begin(const std::shared_ptr<Asking>& asking)
 {
-    module.with_link(transport::parse_address(asking.place.address), asking.until,
+    module.with_link(transport::parse_address(asking->place.address), asking->until,
                      [this, asking](const Result<event::LinkPtr>& found) {
                          const auto link = value_or_none(found);
                          if (!link) {
-                             *asking.reply = *error_of(found);
-                         } else if (auto wrong = met_another(asking.place, *link)) {
-                             *asking.reply = *std::move(wrong);
+                             *asking->reply = *error_of(found);
+                         } else if (auto wrong = met_another(asking->place, *link)) {
+                             *asking->reply = *std::move(wrong);
                          } else {
-                             auto header = asking.header;
-                             header["deadline_ms"] = deadline_ms_before(asking.until);
-                             link->request(asking.type, std::move(header), asking.body, asking.until,
-                                           [this, asking](const event::Outcome& outcome) {
-                                               const auto* lost = std::get_if<Error>(&outcome);
-                                               if (!asking.again || !lost || lost->code() != Errc::connection_lost) {
-                                                   *asking.reply = outcome;
-                                                   return;
-                                               }
-                                               auto last = asking;
-                                               last.again = false;
-                                               module.post([this, last] { begin(last); });
+                             asking->header["deadline_ms"] = deadline_ms_before(asking->until);
+                             link->request(asking->type, asking->header, asking->body, asking->until,
+                                           [this, asking](event::Outcome outcome) {
+                                               const auto* error = std::get_if<Error>(&outcome);
+                                               const bool lost = error && error->code() == Errc::connection_lost;
+                                               if (lost && std::exchange(asking->again, false))
+                                                   module.post([this, asking] { begin(asking); });
+                                               else
+                                                   *asking->reply = std::move(outcome);
                                            });
                              module.arm();
                          }
@@ -210,10 +207,10 @@ void Application::Core::wait(event::Clock::time_point deadline, const std::funct
     }
 }
 
-const event::Outcome& Application::Core::wait_for(const Reply& reply)
+event::Outcome Application::Core::wait_for(const Reply& reply)
 {
     wait(event::Clock::time_point::max(), [&] { return reply->has_value(); });
-    return reply->value();
+    return std::move(reply->value());
 }
 
 bool Application::Core::answers(const Place& place)
@@ -263,11 +260,11 @@ std::vector<Answer> Application::Core::ask_all(const std::vector<std::string>& d
             else
                 replies.push_back(std::make_shared<std::optional<event::Outcome>>(std::get<Error>(places[next])));
         }
-        const auto& outcome = wait_for(replies[i]);
+        auto outcome = wait_for(replies[i]);
         if (const auto* error = std::get_if<Error>(&outcome))
             answers.push_back({drones[i], {}, named(drones[i], *error)});
         else
-            answers.push_back({drones[i], std::get<Json>(outcome), std::nullopt});
+            answers.push_back({drones[i], std::get<Json>(std::move(outcome)), std::nullopt});
     }
     return answers;
 }
@@ -281,11 +278,10 @@ std::vector<Answer> Application::Core::ask_all(const std::vector<std::string>& d
 Json Application::Core::ask(const std::string& drone, protocol::PacketType type, const Json& header, const Body& body,
                             std::optional<event::Clock::time_point> until)
 {
-    const auto reply = send(place(drone), type, header, body, until.value_or(deadline()));
-    const auto& outcome = wait_for(reply);
+    auto outcome = wait_for(send(place(drone), type, header, body, until.value_or(deadline())));
     if (const auto* error = std::get_if<Error>(&outcome))
         throw named(drone, *error);
-    return std::get<Json>(outcome);
+    return std::get<Json>(std::move(outcome));
 }
 
 Endpoint Application::Core::with_output(const Endpoint& end)

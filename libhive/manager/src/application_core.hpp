@@ -68,7 +68,7 @@ public:
     void require_not_cancelled() const;
 
     /// Set by the deadline at the latest: the module guarantees it.
-    using Reply = std::shared_ptr<const std::optional<event::Outcome>>;
+    using Reply = std::shared_ptr<std::optional<event::Outcome>>;
     Reply send(const Place& place, protocol::PacketType type, const Json& header, const Body& body,
                event::Clock::time_point until);
 
@@ -81,8 +81,8 @@ public:
 
 private:
     struct Asking;
-    void begin(const Asking& asking);
-    const event::Outcome& wait_for(const Reply& reply);
+    void begin(const std::shared_ptr<Asking>& asking);
+    event::Outcome wait_for(const Reply& reply);  ///< takes the outcome: once
 };
 
 }  // namespace hive
