@@ -3,8 +3,11 @@
 
 #include <hive/error.hpp>
 #include <hive/json.hpp>
+#include <hive/plain_text.hpp>
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <vector>
 
 namespace hive {
@@ -199,7 +202,70 @@ void require_within(const Json& value, const JsonLimits& limits, std::size_t aro
         require_within(item, limits, around + 1);
 }
 
-std::string to_text(const Json& value) { return value.dump(-1, ' ', false, Json::error_handler_t::replace); }
+namespace {
+
+std::string dumped(const Json& value) { return value.dump(-1, ' ', false, Json::error_handler_t::replace); }
+
+template <class Integer>
+void append(std::string& text, Integer number)
+{
+    std::array<char, 24> digits{};
+    const auto* end = std::to_chars(digits.begin(), digits.end(), number).ptr;
+    text.append(digits.data(), static_cast<std::size_t>(end - digits.data()));
+}
+
+void append_comma(std::string& text)
+{
+    if (text.back() != '{' && text.back() != '[')
+        text += ',';
+}
+
+/// As dumped(), which takes several times as long for plain texts and whole numbers.
+void append(std::string& text, const Json& value)
+{
+    switch (value.type()) {
+    case Json::value_t::object:
+        text += '{';
+        for (const auto& [key, item] : value.get_ref<const Json::object_t&>()) {
+            append_comma(text);
+            append_quoted(text, key);
+            text += ':';
+            append(text, item);
+        }
+        text += '}';
+        break;
+    case Json::value_t::array:
+        text += '[';
+        for (const Json& item : value) {
+            append_comma(text);
+            append(text, item);
+        }
+        text += ']';
+        break;
+    case Json::value_t::string: append_quoted(text, value.get_ref<const std::string&>()); break;
+    case Json::value_t::number_integer: append(text, value.get<std::int64_t>()); break;
+    case Json::value_t::number_unsigned: append(text, value.get<std::uint64_t>()); break;
+    case Json::value_t::boolean: text += value.get<bool>() ? "true" : "false"; break;
+    default: text += dumped(value);
+    }
+}
+
+}  // namespace
+
+void append_quoted(std::string& text, const std::string& value)
+{
+    if (std::ranges::all_of(value, is_plain))
+        ((text += '"') += value) += '"';
+    else
+        text += dumped(value);
+}
+
+std::string to_text(const Json& value)
+{
+    std::string text;
+    append(text, value);
+    return text;
+}
 
 std::string in_quotes(std::string_view text)
 {

@@ -6,11 +6,6 @@
 #include <array>
 
 namespace hive {
-namespace {
-
-constexpr auto plain = [](char c) { return c >= ' ' && c <= '~' && c != '"' && c != '\\'; };
-
-}  // namespace
 
 void PlainWriter::close()
 {
@@ -24,19 +19,13 @@ void PlainWriter::number(std::string_view key, std::int64_t value)
     raw(key, {digits.data(), std::to_chars(digits.begin(), digits.end(), value).ptr});
 }
 
-void PlainWriter::string(std::string_view key, const std::string& value)
-{
-    if (std::ranges::all_of(value, plain))
-        (((text_ += key) += '"') += value) += '"';
-    else
-        raw(key, to_text(Json(value)));
-}
+void PlainWriter::string(std::string_view key, const std::string& value) { append_quoted(text_ += key, value); }
 
 bool PlainReader::string(std::string& value)
 {
     if (!skip("\""))
         return false;
-    const auto end = static_cast<std::size_t>(std::ranges::find_if_not(rest_, plain) - rest_.begin());
+    const auto end = static_cast<std::size_t>(std::ranges::find_if_not(rest_, is_plain) - rest_.begin());
     if (end > JsonLimits{}.string_bytes)
         return false;
     value.assign(rest_, 0, end);

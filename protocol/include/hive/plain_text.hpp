@@ -10,6 +10,12 @@
 
 namespace hive {
 
+/// Does this character stand for itself in a JSON string?
+inline bool is_plain(char c) { return c >= ' ' && c <= '~' && c != '"' && c != '\\'; }
+
+/// Appends a JSON string.
+void append_quoted(std::string& text, const std::string& value);
+
 /// Appends the fields of one object to `text`; keys are passed with their punctuation, `,"epoch":`.
 class PlainWriter {
 public:

@@ -6,9 +6,19 @@
 
 #include <doctest/doctest.h>
 
+#include <limits>
 #include <set>
 
 using namespace hive;
+
+TEST_CASE("text: a value is written as nlohmann's dump writes it")
+{
+    Json value =
+        parse_json(R"({"":null,"a\"b":[[],[[]],{},[{}],[1,[2]]],"flag":[true,false],"number":[0,-1,1.5,1e300]})");
+    value["text"] = {"", "plain ~", "a\"b\\c", "\x7F", "line\n", "gr\u00FC\u00DF", "\xFF", std::string("nul\0", 4)};
+    value["\xC3"] = {std::numeric_limits<std::int64_t>::min(), std::numeric_limits<std::uint64_t>::max()};
+    CHECK_EQ(to_text(value), value.dump(-1, ' ', false, Json::error_handler_t::replace));
+}
 
 TEST_CASE("text: bytes that are not UTF-8 become U+FFFD instead of an exception")
 {
