@@ -395,16 +395,17 @@ void Outlet::say_leaving()
 
 void Outlet::refresh()
 {
-    const bool wanted = table_.wanted(), received = !places_.empty(), asked = table_.asked(),
-               backlogged = table_.backlogged();
-    const bool changed = wanted != wanted_ || received != received_ || asked != asked_ || backlogged != backlogged_;
-    wanted_ = wanted;
+    const auto demand = table_.demand();
+    const bool received = !places_.empty();
+    const bool changed =
+        demand.wanted != wanted_ || received != received_ || demand.asked != asked_ || demand.backlogged != backlogged_;
+    wanted_ = demand.wanted;
     received_ = received;
     shares_ = std::ranges::any_of(
         places_, [](const auto& row) { return row.second.data && row.second.link->connection().shares(); });
-    fans_out_ = table_.fans_out();
-    asked_ = asked;
-    backlogged_ = backlogged;
+    fans_out_ = demand.fans_out;
+    asked_ = demand.asked;
+    backlogged_ = demand.backlogged;
     if (changed)
         hooks_.changed();
 }

@@ -21,34 +21,34 @@ bool ReceiverTable::any(bool (Subscription::*like)() const) const
            || std::ranges::any_of(groups_, [&](const auto& row) { return (row.second.subscription.*like)(); });
 }
 
-bool ReceiverTable::wanted() const noexcept
-{
-    return awaited() || std::ranges::any_of(plain_, [](const Plain& plain) {
-               return plain.subscription.present() && plain.registered.options.delivery == Delivery::data;
-           });
-}
-
 bool ReceiverTable::awaited() const noexcept { return any(&Subscription::active); }
 
-bool ReceiverTable::fans_out() const
+/// In one pass, since it is computed several times for each event.
+Demand ReceiverTable::demand() const
 {
-    return std::ranges::count_if(plain_,
-                                 [](const Plain& plain) {
-                                     return plain.subscription.awaited()
-                                            || (plain.subscription.present()
-                                                && plain.registered.options.delivery == Delivery::data);
-                                 })
-           > 1;
+    Demand demand{.backlogged = !held_.empty()};
+    bool awaited = false, asked = true;
+    const auto add = [&](const Subscription& one) {
+        if (one.active()) {
+            awaited = true;
+            asked = asked && one.asks();
+        }
+        demand.backlogged = demand.backlogged || one.backlogged();
+    };
+    std::size_t plain_ones = 0;
+    for (const Plain& plain : plain_) {
+        const Subscription& one = plain.subscription;
+        add(one);
+        if (one.awaited() || (one.present() && plain.registered.options.delivery == Delivery::data))
+            ++plain_ones;
+    }
+    for (const auto& [name, group] : groups_)
+        add(group.subscription);
+    demand.wanted = awaited || plain_ones > 0;
+    demand.fans_out = plain_ones > 1;
+    demand.asked = awaited && asked;
+    return demand;
 }
-
-bool ReceiverTable::asked() const
-{
-    const auto ready = [](const Subscription& one) { return !one.active() || one.asks(); };
-    return awaited() && std::ranges::all_of(plain_, ready, &Plain::subscription)
-           && std::ranges::all_of(groups_, [&](const auto& row) { return ready(row.second.subscription); });
-}
-
-bool ReceiverTable::backlogged() const { return !held_.empty() || any(&Subscription::backlogged); }
 
 bool ReceiverTable::timed() const { return any(&Subscription::timed); }
 

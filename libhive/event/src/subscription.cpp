@@ -13,11 +13,6 @@ bool Subscription::Consumer::has(std::int64_t job) const
     return job != 0 && std::ranges::find(hands, job, &Handed::job) != hands.end();
 }
 
-bool Subscription::present() const noexcept
-{
-    return std::ranges::any_of(consumers_, [](const auto& row) { return !row.second.retired; });
-}
-
 bool Subscription::retiring() const noexcept
 {
     return std::ranges::any_of(consumers_, [](const auto& row) { return row.second.retired; });

@@ -12,10 +12,10 @@ using namespace std::chrono_literals;
 TEST_CASE("receiver table: a notification receiver makes no body wanted")
 {
     World world;
-    CHECK_FALSE(world.table.wanted());
+    CHECK_FALSE(world.table.demand().wanted);
     world.add(1, "top", streaming(Delivery::notification));
     const auto decisions = decided([&](Decisions& to) { world.table.offer(emission(1), false, start, to); });
-    CHECK_FALSE(world.table.wanted());
+    CHECK_FALSE(world.table.demand().wanted);
     REQUIRE(decisions.sends.size() == 1);
     CHECK(decisions.sends[0].delivery == Delivery::notification);
 }
@@ -23,19 +23,19 @@ TEST_CASE("receiver table: a notification receiver makes no body wanted")
 TEST_CASE("receiver table: demand is there when every receiver of bodies has asked")
 {
     World world;
-    CHECK_FALSE(world.table.asked());
+    CHECK_FALSE(world.table.demand().asked);
     CHECK(world.table.why() == Reason::no_receiver);
     world.add(1, "fast", window(1));
-    CHECK(world.table.asked());
+    CHECK(world.table.demand().asked);
     world.add(2, "slow", window(1));
     world.add(3, "top", streaming(Delivery::notification));
     world.offer(1, true);
-    CHECK_FALSE(world.table.asked());
+    CHECK_FALSE(world.table.demand().asked);
     world.ask(1, {2, 1, 1});
-    CHECK_FALSE(world.table.asked());
+    CHECK_FALSE(world.table.demand().asked);
     CHECK(world.table.why() == Reason::not_asked);
     world.ask(2, {2, 1, 1});
-    CHECK(world.table.asked());
+    CHECK(world.table.demand().asked);
     CHECK(world.table.why() == Reason::none);
 }
 
@@ -44,12 +44,12 @@ TEST_CASE("receiver table: a lossless event without any receiver waits for the f
     World world;
     CHECK(world.offer(1, true, true).empty());
     CHECK(world.offer(2, true, true).empty());
-    CHECK(world.table.backlogged());
+    CHECK(world.table.demand().backlogged);
     CHECK(world.table.why() == Reason::held);
     world.add(5, "top", streaming(Delivery::notification));
-    CHECK(world.table.backlogged());
+    CHECK(world.table.demand().backlogged);
     CHECK(world.add(1, "results", window(2)) == Got{{1, {1, 2}}});
-    CHECK_FALSE(world.table.backlogged());
+    CHECK_FALSE(world.table.demand().backlogged);
     CHECK(world.add(2, "late", window(2)).empty());
 }
 
@@ -68,7 +68,7 @@ TEST_CASE("receiver table: what is held is let go when another output is receive
     world.offer(2, true, true);
     CHECK(world.table.unreceived() == 0);
     world.table.release_held();
-    CHECK_FALSE(world.table.backlogged());
+    CHECK_FALSE(world.table.demand().backlogged);
     CHECK(world.table.unreceived() == 2);
     CHECK(world.add(1, "late", window(2)).empty());
 }
@@ -78,7 +78,7 @@ TEST_CASE("receiver table: an event that nobody receives is counted, and a live 
     World world;
     CHECK(world.offer(1, false, true).empty());
     CHECK(world.table.unreceived() == 1);
-    CHECK_FALSE(world.table.backlogged());
+    CHECK_FALSE(world.table.demand().backlogged);
     world.add(1, "face", window(1));
     world.offer(2);
     CHECK(world.table.unreceived() == 1);

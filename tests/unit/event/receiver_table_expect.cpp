@@ -29,14 +29,14 @@ TEST_CASE("expect: each that an earlier run had gets every event, whoever comes 
     expect(world, "x.image");
     expect(world, "y.image");
     CHECK(world.table.why() == Reason::place_kept);
-    CHECK(world.table.fans_out());
+    CHECK(world.table.demand().fans_out);
     CHECK(world.offer(1, true).empty());
     CHECK(world.add(drone(3, "x.image")) == Got{{3, {1}}});
     CHECK(world.ask(3, {2, 1, 1}).empty());
-    CHECK_FALSE(world.table.asked());
+    CHECK_FALSE(world.table.demand().asked);
     CHECK(world.add(drone(4, "y.image")) == Got{{4, {1}}});
     CHECK(world.ask(4, {2, 1, 1}).empty());
-    CHECK(world.table.asked());
+    CHECK(world.table.demand().asked);
     CHECK(world.row("y.image").events.of(Fate::acknowledged) == 1);
 }
 
@@ -93,7 +93,7 @@ TEST_CASE("expect: what a receiver missed is counted on when its sender crashes"
     CHECK(after.offer(3, true).empty());  // y is waited for, x is not
     CHECK(after.add(drone(3, "y.image")) == Got{{3, {3}}});
     after.ask(3, {2, 1, 1});
-    CHECK(after.table.asked());
+    CHECK(after.table.demand().asked);
     CHECK(after.add(drone(4, "x.image")).empty());
     CHECK(after.table.missed(4) == 3);
     CHECK(after.table.missed(3) == 0);

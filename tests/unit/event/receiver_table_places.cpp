@@ -15,13 +15,13 @@ TEST_CASE("kept place: a receiver of lossless events that comes back with its pl
     world.offer(1, true);
     world.offer(2, true);
     world.lose(1, Fate::lost_cut_off);
-    CHECK(world.table.wanted());
-    CHECK_FALSE(world.table.asked());
+    CHECK(world.table.demand().wanted);
+    CHECK_FALSE(world.table.demand().asked);
     CHECK(world.table.why() == Reason::place_kept);
     CHECK(world.row("results").why == Reason::place_kept);
     CHECK_FALSE(world.row("results").connected);
     CHECK(world.offer(3, true).empty());
-    CHECK(world.table.backlogged());
+    CHECK(world.table.demand().backlogged);
     CHECK(world.table.unreceived() == 0);
     CHECK(world.add({.id = 2, .receiver = "results", .options = window(2), .place = place, .taken = 1})
           == Got{{2, {2, 3}}});
@@ -119,7 +119,7 @@ TEST_CASE("displaced: a drone that registers again is received once, before its 
         CHECK(world.row("face.image").connected);
         CHECK(world.row("face.image").events.total() <= (options.group.empty() ? 2 : 3));
         world.leave(2);
-        CHECK_FALSE(world.table.wanted());
+        CHECK_FALSE(world.table.demand().wanted);
     }
 }
 
@@ -135,7 +135,7 @@ TEST_CASE("displaced: a restarted drone gets again what its old connection had i
     world.ask(2, {4, 2, 2});
     CHECK(world.row("face.image").events.of(Fate::acknowledged) == 2);
     CHECK(world.row("face.image").events.in_flight() == 0);
-    CHECK(world.table.asked());
+    CHECK(world.table.demand().asked);
 }
 
 TEST_CASE("displaced: another drone of the same name has a place, a row and counts of its own, and takes up none")
@@ -185,7 +185,7 @@ TEST_CASE("kept place: nobody pushes another from its place, nor by merely watch
     CHECK(world.offer(1, true).at(1) == Sequences{1});
     world.leave(1);
     world.leave(2);
-    CHECK_FALSE(world.table.wanted());
+    CHECK_FALSE(world.table.demand().wanted);
 }
 
 TEST_CASE("kept place: also for a receiver that is lost before the first event, until that shows what the output is")
@@ -200,9 +200,9 @@ TEST_CASE("kept place: also for a receiver that is lost before the first event, 
     World live;
     live.add({.id = 1, .receiver = "face.image", .options = window(1), .unique = true});
     live.lose(1, Fate::lost_killed);
-    CHECK(live.table.wanted());
+    CHECK(live.table.demand().wanted);
     CHECK(live.offer(1).empty());
-    CHECK_FALSE(live.table.wanted());
+    CHECK_FALSE(live.table.demand().wanted);
     CHECK(live.table.unreceived() == 1);
 }
 
@@ -212,18 +212,18 @@ TEST_CASE("kept place: none for live events, for a receiver that will not return
     live.add(1, "view", window(1));
     live.offer(1);
     live.lose(1, Fate::lost_cut_off);
-    CHECK_FALSE(live.table.wanted());
+    CHECK_FALSE(live.table.demand().wanted);
     World leaving;
     leaving.add(1, "results", window(1));
     leaving.offer(1, true);
     leaving.lose(1, Fate::lost_connection, false);
-    CHECK_FALSE(leaving.table.wanted());
+    CHECK_FALSE(leaving.table.demand().wanted);
     CHECK(leaving.row("results").events.of(Fate::lost_connection) == 1);
     World without({.leases = true, .places = false});
     without.add(1, "results", window(1));
     without.offer(1, true);
     without.lose(1, Fate::lost_cut_off);
-    CHECK_FALSE(without.table.wanted());
+    CHECK_FALSE(without.table.demand().wanted);
 }
 
 TEST_CASE("kept place: after 30 s it is let go, and the source goes on without it")
@@ -235,13 +235,13 @@ TEST_CASE("kept place: after 30 s it is let go, and the source goes on without i
     world.ask(2, {2, 1, 1});
     world.lose(1, Fate::lost_cut_off);
     CHECK(world.table.timed());
-    CHECK_FALSE(world.table.asked());
+    CHECK_FALSE(world.table.demand().asked);
     world.pass(30s - 1ns);
-    CHECK_FALSE(world.table.asked());
+    CHECK_FALSE(world.table.demand().asked);
     world.pass(1ns);
     world.pass(20ms);  // what it has missed by now is written down with one more tick
     CHECK_FALSE(world.table.timed());
-    CHECK(world.table.asked());
+    CHECK(world.table.demand().asked);
     CHECK(world.row("results").events.of(Fate::lost_cut_off) == 1);
     CHECK(world.row("results").events.in_flight() == 0);
     CHECK(world.table.missed(2) == 0);
@@ -277,10 +277,10 @@ TEST_CASE("kept place: forgetting a drone lets go all places of its inputs, and 
     for (const ReceiverId id : {1, 2, 3})
         world.lose(id, Fate::lost_cut_off);
     CHECK(world.forget("face") == 2);
-    CHECK(world.table.wanted());
+    CHECK(world.table.demand().wanted);
     CHECK(world.row("face.image").events.of(Fate::lost_left) == 1);
     CHECK(world.forget("face-2") == 1);
-    CHECK_FALSE(world.table.wanted());
+    CHECK_FALSE(world.table.demand().wanted);
     CHECK(world.forget("face-2") == 0);
 }
 
@@ -344,11 +344,11 @@ TEST_CASE("awaited group: forgetting one of the drones that were lost lets it go
     world.offer(1, true);
     world.offer(2, true);
     world.lose(1, Fate::lost_killed);
-    CHECK(world.table.wanted());
+    CHECK(world.table.demand().wanted);
     CHECK(world.table.why() == Reason::group_awaited);
     CHECK(world.forget("face-2") == 0);
     CHECK(world.forget("face-1") == 1);
-    CHECK_FALSE(world.table.wanted());
+    CHECK_FALSE(world.table.demand().wanted);
     CHECK(world.failed == Sequences{2});  // face-1 may have answered event 1
 }
 
@@ -358,12 +358,12 @@ TEST_CASE("awaited group: work of a source on demand holds the source up until a
     world.add(1, "face-1", sharing());
     world.offer(1, true);
     world.lose(1, Fate::lost_killed);
-    CHECK_FALSE(world.table.asked());
+    CHECK_FALSE(world.table.demand().asked);
     CHECK(world.add(2, "face-1", sharing()) == Got{{2, {1}}});
     REQUIRE(world.welcome.group);
     CHECK(*world.welcome.group == Share{.of = "camera.image#workers", .epoch = 1, .turn = 1, .closed = 0});
     world.ask(2, {2, 1, 1});
-    CHECK(world.table.asked());
+    CHECK(world.table.demand().asked);
 }
 
 TEST_CASE("awaited group: a live source that somebody else receives keeps nothing new for a group without members")
@@ -373,7 +373,7 @@ TEST_CASE("awaited group: a live source that somebody else receives keeps nothin
     world.add(9, "view", window(64));
     world.lose(1, Fate::lost_killed);
     CHECK(world.offer(1) == Got{{9, {1}}});
-    CHECK(world.table.asked());
+    CHECK(world.table.demand().asked);
     CHECK(world.add(7, "face-1", sharing()).empty());
 }
 
@@ -402,18 +402,18 @@ TEST_CASE("guest: it gets what there is, and neither lets a source begin nor hol
 {
     World world;
     world.add({.id = 1, .receiver = "results (viewer)", .options = window(1), .guest = true});
-    CHECK(world.table.wanted());  // bodies are made for it
+    CHECK(world.table.demand().wanted);  // bodies are made for it
     CHECK_FALSE(world.table.awaited());
-    CHECK_FALSE(world.table.asked());
+    CHECK_FALSE(world.table.demand().asked);
     CHECK(world.table.why() == Reason::watched);
     CHECK(world.offer(1, true, true) == Got{{1, {1}}});
     CHECK(world.table.unreceived() == 0);  // it is held for who comes to work
     CHECK(world.add({.id = 2, .receiver = "results", .options = window(1)}) == Got{{2, {1}}});
     CHECK(world.table.awaited());
     CHECK(world.ask(2, {2, 1, 1}).empty());
-    CHECK(world.table.asked());  // although the guest never asked again
+    CHECK(world.table.demand().asked);  // although the guest never asked again
     CHECK(world.offer(2, true) == Got{{2, {2}}});
-    CHECK_FALSE(world.table.backlogged());
+    CHECK_FALSE(world.table.demand().backlogged);
     CHECK(world.ask(2, {3, 2, 2}).empty());
     CHECK(world.offer(3, true) == Got{{2, {3}}});
     CHECK(world.ask(1, {2, 1, 1}) == Got{{1, {3}}});  // the newest
@@ -450,9 +450,9 @@ TEST_CASE("receiver table: who is back at its own place leaves another one of it
           == Got{{3, {1}}});
     world.ask(3, {2, 1, 1});
     world.ask(3, {3, 2, 2});
-    CHECK_FALSE(world.table.asked());  // for the other place
+    CHECK_FALSE(world.table.demand().asked);  // for the other place
     world.pass(Subscription::kept_for);
-    CHECK(world.table.asked());
+    CHECK(world.table.demand().asked);
     for (const auto& row : world.rows())
         CHECK(row.events.in_flight() == 0);
 }

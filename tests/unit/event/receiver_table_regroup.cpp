@@ -37,7 +37,7 @@ TEST_CASE(
     world.leave(1);
     CHECK(world.ask(2, {8, 4, 4}) == Got{{2, from_to(7, 10)}});
     CHECK(world.ask(2, {12, 8, 8}).empty());
-    CHECK(world.table.asked());
+    CHECK(world.table.demand().asked);
     CHECK(world.failed.empty());
     CHECK(world.row("group workers").events.of(Fate::acknowledged) == 8);
 }
@@ -53,7 +53,7 @@ TEST_CASE("regroup: what a plain receiver has in hand and does not do goes to th
     CHECK(world.lose(1, Fate::lost_cut_off) == Got{{2, {2}}});
     CHECK(world.table.why() != Reason::place_kept);
     world.ask(2, {5, 1, 1});
-    CHECK(world.table.asked());
+    CHECK(world.table.demand().asked);
 }
 
 TEST_CASE("regroup: what a receiver has in hand goes to where it stands now, also when it changed twice meanwhile")
@@ -77,7 +77,7 @@ TEST_CASE("regroup: what a receiver has in hand goes to where it stands now, als
     CHECK(world.lose(1, Fate::lost_connection) == Got{{last, {1, 2}}});
     CHECK(world.table.why() != Reason::place_kept);
     world.ask(last, {6, 2, 2});
-    CHECK(world.table.asked());
+    CHECK(world.table.demand().asked);
 }
 
 TEST_CASE("regroup: a member that was disconnected with something in hand takes it along when it is connected again")
@@ -105,7 +105,7 @@ TEST_CASE("regroup: a source waits for no group whose last member is received pl
     world.ask(1, {1, 1, 1});
     world.leave(1);
     world.ask(2, {7, 3, 3});
-    CHECK(world.table.asked());
+    CHECK(world.table.demand().asked);
     CHECK(world.failed.empty());
     CHECK(world.row("group workers").events.in_flight() == 0);
 }
@@ -134,7 +134,7 @@ TEST_CASE("regroup: a killed member that is back as a plain receiver gets what i
     CHECK(world.table.why() == Reason::group_awaited);
     CHECK(world.add(face(2, window(4), false)) == Got{{2, {1, 2}}});
     world.ask(2, {6, 2, 2});
-    CHECK(world.table.asked());
+    CHECK(world.table.demand().asked);
 }
 
 TEST_CASE("regroup: a member that left takes along what may have been answered when it is connected plainly")
@@ -173,7 +173,7 @@ TEST_CASE("regroup: a restarted plain receiver that joins a group does not leave
     world.lose(1, Fate::lost_killed);
     CHECK(world.add(face(2, sharing(4), false)) == Got{{2, {1, 2, 3}}});
     world.ask(2, {7, 3, 3});
-    CHECK(world.table.asked());
+    CHECK(world.table.demand().asked);
     CHECK_FALSE(world.table.timed());
 }
 
@@ -189,7 +189,7 @@ TEST_CASE("regroup: from one group to another")
     world.ask(1, {2, 1, 1});
     world.leave(1);
     world.ask(2, {6, 2, 2});
-    CHECK(world.table.asked());
+    CHECK(world.table.demand().asked);
     CHECK(world.offer(4, true) == Got{{2, {4}}});
 }
 

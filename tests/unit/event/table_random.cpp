@@ -43,7 +43,7 @@ public:
             away += !status.connected && !status.group ? 1 : 0;
         }
         hold(away <= ReceiverTable::max_gone + places_.size(), "who was lost is forgotten in the end");
-        hold(!table_.asked() || table_.wanted(), "nobody asks for what nobody wants");
+        hold(!table_.demand().asked || table_.demand().wanted, "nobody asks for what nobody wants");
         for (const auto& [id, seat] : seats_)
             if (seat.place != 0)
                 hold(table_.standing({.receiver = seat.name, .place = seat.place}) == id, "each place has one holder");
@@ -190,7 +190,7 @@ private:
                 tell(id, seat, {seat.sent + seat.options.window, seat.sent, seat.sent}, {});
             }
         }
-        hold(!table_.backlogged() && table_.asked(), "in the end everybody asks for more");
+        hold(!table_.demand().backlogged && table_.demand().asked, "in the end everybody asks for more");
     }
     [[nodiscard]] std::int64_t table_in_flight() const
     {

@@ -51,6 +51,14 @@ struct Subscriber {
     bool operator==(const Subscriber&) const = default;
 };
 
+/// What the receivers of an output want of its drone.
+struct Demand {
+    bool wanted = false;      ///< is there a receiver of bodies, present or awaited?
+    bool fans_out = false;    ///< does each event go to several plain ones of these?
+    bool asked = false;       ///< is one not a guest, and has each of these requested an event that it has not got?
+    bool backlogged = false;  ///< do lossless events wait for a request?
+};
+
 /// Pure logic: no sockets, no clock; the caller reports events, and the table decides what to send.
 class ReceiverTable {
 public:
@@ -110,16 +118,9 @@ public:
 
     /// The registration that this new one replaces, if any.
     [[nodiscard]] std::optional<Id> standing(const Newcomer& newcomer) const;
-    /// Is there a receiver of bodies, present or awaited?
-    [[nodiscard]] bool wanted() const noexcept;
-    /// Does each event go to several plain receivers of bodies, those that are awaited included?
-    [[nodiscard]] bool fans_out() const;
-    /// As wanted(), without guests.
+    [[nodiscard]] Demand demand() const;
+    /// Is there a receiver of bodies other than guests, present or awaited?
     [[nodiscard]] bool awaited() const noexcept;
-    /// Is there a receiver of bodies other than guests, and has each of them requested an event that it has not got?
-    [[nodiscard]] bool asked() const;
-    /// Do lossless events wait for a request?
-    [[nodiscard]] bool backlogged() const;
     /// Do events wait for a first receiver?
     [[nodiscard]] bool holds() const noexcept { return !held_.empty(); }
     /// Does tick() have to be called?

@@ -37,6 +37,7 @@
 #include <hive/event/work_times.hpp>
 #include <hive/status.hpp>
 
+#include <algorithm>
 #include <deque>
 #include <functional>
 #include <map>
@@ -124,7 +125,10 @@ public:
     [[nodiscard]] bool shared() const noexcept { return !kind_.shared_as.empty(); }
     [[nodiscard]] bool attached() const noexcept { return !consumers_.empty(); }
     /// Is there a consumer that may get an event?
-    [[nodiscard]] bool present() const noexcept;
+    [[nodiscard]] bool present() const noexcept
+    {
+        return std::ranges::any_of(consumers_, [](const auto& row) { return !row.second.retired; });
+    }
     [[nodiscard]] bool retiring() const noexcept;
     [[nodiscard]] bool awaited() const noexcept { return awaited_; }
     /// Does the source wait for a consumer?
