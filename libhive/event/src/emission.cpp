@@ -99,23 +99,12 @@ bool is_share_name(std::string_view text)
            && (sharp == std::string_view::npos || is_name(text.substr(sharp + 1)));
 }
 
-namespace {
-
-/// Without a body, only the emitter can know the size, such as a recording that stores it elsewhere.
-Event with_honest_size(Event event, bool complete)
-{
-    event.sized = event.sized && (complete || event.size > 0);
-    return event;
-}
-
-}  // namespace
-
 Emission::Emission(Event event, bool complete, std::optional<Share> own)
-    : event_(with_honest_size(std::move(event), complete)),
-      complete_(complete),
-      own_(std::move(own)),
-      header_(std::make_shared<const std::string>(header_text(event_, own_ ? &*own_ : nullptr)))
+    : event_(std::move(event)), complete_(complete), own_(std::move(own))
 {
+    // Without a body, only the emitter can know the size, such as a recording that stores it elsewhere.
+    event_.sized = event_.sized && (complete || event_.size > 0);
+    header_ = std::make_shared<const std::string>(header_text(event_, own_ ? &*own_ : nullptr));
     require_within(event_.header, {}, 1);
     constexpr std::size_t share_bytes = 512;  // added by sharing
     if (header_->size() + share_bytes > protocol::Limits{}.header)

@@ -203,7 +203,7 @@ void Emitter::perform(Slot& slot, std::function<void(event::Outlet&)> task)
     });
 }
 
-void Emitter::send(std::size_t output, Event event, bool complete)
+void Emitter::send(std::size_t output, Event&& event, bool complete)
 {
     Slot& slot = *outputs_[output];
     const Port& port = interface_.outputs[output];

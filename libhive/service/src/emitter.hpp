@@ -77,7 +77,7 @@ private:
     };
     void inherit(Event& event, Slot& slot) const;
     [[nodiscard]] const Port& port_to_emit(std::size_t output, const Json& header) const;
-    void send(std::size_t output, Event event, bool complete);
+    void send(std::size_t output, Event&& event, bool complete);
     void perform(Slot& slot, std::function<void(event::Outlet&)> task);
     void await_room(Slot& slot);
 
