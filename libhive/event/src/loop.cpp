@@ -175,11 +175,7 @@ void Loop::leave()
         arm(patience);
 }
 
-bool Loop::wanted()
-{
-    const std::lock_guard lock(mutex_);
-    return asked_ - given_back_ > 1;
-}
+bool Loop::wanted() const { return asked_ - given_back_ > 1; }
 
 void Loop::arm(std::chrono::nanoseconds after)
 {
@@ -192,9 +188,10 @@ void Loop::arm(std::chrono::nanoseconds after)
 /// Before a wait that is likely to be long, so that the network thread does not wake needlessly.
 void Loop::disarm()
 {
-    const std::lock_guard lock(mutex_);
-    if (!std::exchange(armed_, false))
+    if (!armed_)
         return;
+    const std::lock_guard lock(mutex_);
+    armed_ = false;
     const itimerspec never{};
     ::timerfd_settime(timer_, 0, &never, nullptr);
 }

@@ -70,7 +70,7 @@ private:
     void take();
     bool try_take();
     void leave();
-    bool wanted();
+    [[nodiscard]] bool wanted() const;
     void arm(std::chrono::nanoseconds after);
     void disarm();
     void run(const Task& task) noexcept;
@@ -90,12 +90,12 @@ private:
     std::atomic<std::thread::id> holder_{};
     std::mutex mutex_;
     std::condition_variable left_;
-    std::uint64_t asked_ = 0,
-                  given_back_ = 0;  ///< turns, served in order; the difference: holder and waiting threads
+    std::atomic<std::uint64_t> asked_ = 0,
+                               given_back_ = 0;  ///< turns, served in order; the difference: holder, waiting threads
     std::vector<Task> posted_;
-    Clock::time_point served_at_{};  ///< when a thread that had run the io_context released the turn
-    const int timer_;                ///< timerfd that wakes the network thread
-    bool armed_ = false;             ///< the timer is set
+    Clock::time_point served_at_{};    ///< when a thread that had run the io_context released the turn
+    const int timer_;                  ///< timerfd that wakes the network thread
+    std::atomic<bool> armed_ = false;  ///< the timer is set
     bool ending_ = false;
     std::thread thread_;
 };
