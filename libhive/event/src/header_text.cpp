@@ -115,13 +115,11 @@ std::size_t object_size(std::string_view text)
     return 0;
 }
 
-/// Any object, with the limits of a nested one.
+/// Any object, with the limits of a nested one. `value` is an empty object.
 bool read_object(PlainReader& text, Json& value)
 try {
-    if (text.skip("{}")) {
-        value = Json::object();
-        return true;
-    }
+    if (text.skip("{}"))
+        return true;  // as it was
     const auto size = object_size(text.rest());
     JsonLimits inside;
     --inside.depth;

@@ -64,7 +64,7 @@ void Link::on_packet(const Packet& packet)
         if (packet.type == PacketType::event || packet.type == PacketType::notification
             || packet.type == PacketType::exception || packet.type == PacketType::end) {
             if (const auto sink = channels_.find(packet.channel); sink != channels_.end())
-                ChannelSink(sink->second)(packet);  // a copy: the sink may release its channel
+                (*std::shared_ptr(sink->second))(packet);  // a copy: the sink may release its channel
             return;
         }
         used_ = Clock::now();
@@ -218,7 +218,7 @@ std::uint16_t Link::claim_channel(ChannelSink sink)
     do
         ++next_channel_;
     while (next_channel_ == 0 || channels_.contains(next_channel_));
-    channels_[next_channel_] = std::move(sink);
+    channels_[next_channel_] = std::make_shared<const ChannelSink>(std::move(sink));
     return next_channel_;
 }
 

@@ -145,7 +145,7 @@ private:
     std::int64_t next_id_ = 0;
     std::uint16_t next_channel_ = 0;
     std::map<std::int64_t, Pending> pending_;
-    std::map<std::uint16_t, ChannelSink> channels_;
+    std::map<std::uint16_t, std::shared_ptr<const ChannelSink>> channels_;
 };
 
 using LinkPtr = std::shared_ptr<Link>;
