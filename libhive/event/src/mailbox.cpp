@@ -6,42 +6,39 @@
 
 namespace hive::event {
 
-namespace {
-
-std::string origin_of(const Event& event) { return event.sender + "." + event.output; }
-
-}  // namespace
-
-void Mailbox::add(const Event& event)
+/// @return  the row of its output; null: it is lossless
+Mailbox::Load* Mailbox::add(const Event& event)
 {
     bytes_ += event.body.size();
     if (event.identity.lossless)
-        return;
-    auto& load = live_[origin_of(event)];
-    ++load.events;
-    load.bytes += event.body.size();
+        return nullptr;
+    const auto origin = std::tie(event.sender, event.output);
+    auto row = live_.find(origin);
+    if (row == live_.end()) {
+        if (live_.size() > most_events)
+            std::erase_if(live_, [](const auto& each) { return each.second.events == 0; });
+        row = live_.emplace(origin, Load{}).first;
+    }
+    ++row->second.events;
+    row->second.bytes += event.body.size();
+    return &row->second;
 }
 
-void Mailbox::subtract(const Event& event)
+void Mailbox::subtract(const Waiting& waiting)
 {
-    bytes_ -= event.body.size();
-    if (event.identity.lossless)
-        return;
-    const auto row = live_.find(origin_of(event));
-    row->second.bytes -= event.body.size();
-    if (--row->second.events == 0)
-        live_.erase(row);
+    const auto bytes = waiting.event.body.size();
+    bytes_ -= bytes;
+    if (waiting.load) {
+        --waiting.load->events;
+        waiting.load->bytes -= bytes;
+    }
 }
 
 /// The oldest event of the output with the most; end() if all are lossless.
-std::deque<Event>::iterator Mailbox::to_drop(std::size_t Load::*what)
+std::deque<Mailbox::Waiting>::iterator Mailbox::to_drop(std::size_t Load::*what)
 {
-    if (live_.empty())
-        return events_.end();
-    const auto& origin =
-        std::ranges::max_element(live_, {}, [what](const auto& row) { return row.second.*what; })->first;
-    return std::ranges::find_if(
-        events_, [&](const Event& each) { return !each.identity.lossless && origin_of(each) == origin; });
+    const auto most = std::ranges::max_element(live_, {}, [what](const auto& row) { return row.second.*what; });
+    return most == live_.end() ? events_.end() : std::ranges::find(events_, &most->second, &Waiting::load);
 }
 
 void Mailbox::push(Command command)
@@ -54,15 +51,15 @@ void Mailbox::push(Event&& event)
 {
     std::vector<Event> dropped;  // destroyed after the lock, since tickets run code
     const std::lock_guard lock(mutex_);
-    add(event);
-    events_.push_back(std::move(event));
+    auto* const load = add(event);
+    events_.emplace_back(std::move(event), load);
     while (events_.size() > most_events || (events_.size() > 2 && bytes_ > most_bytes)) {
         const auto oldest = to_drop(events_.size() > most_events ? &Load::events : &Load::bytes);
         if (oldest == events_.end())
             break;
-        conclude(*oldest, Ending::dropped);
+        conclude(oldest->event, Ending::dropped);
         subtract(*oldest);
-        dropped.push_back(std::move(*oldest));
+        dropped.push_back(std::move(oldest->event));
         events_.erase(oldest);
     }
 }
@@ -81,34 +78,33 @@ bool Mailbox::ready(bool events) const
 
 std::optional<Mailbox::Item> Mailbox::pop(bool events)
 {
+    std::optional<Item> item;
     const std::lock_guard lock(mutex_);
     if (!commands_.empty()) {
-        Command command = std::move(commands_.front());
+        item.emplace(std::move(commands_.front()));
         commands_.pop_front();
-        return command;
-    }
-    if (events && !events_.empty()) {
+    } else if (events && !events_.empty()) {
         subtract(events_.front());
-        std::optional<Item> item(std::in_place, std::move(events_.front()));
+        item.emplace(std::move(events_.front().event));
         events_.pop_front();
-        return item;
+    } else {
+        nudged_ = false;
     }
-    nudged_ = false;
-    return std::nullopt;
+    return item;
 }
 
 void Mailbox::discard(const std::function<bool(const Event&)>& fits)
 {
     std::vector<Event> discarded;  // destroyed after the lock
     const std::lock_guard lock(mutex_);
-    std::deque<Event> kept;
-    for (auto& event : events_)
-        if (fits(event)) {
-            conclude(event, Ending::discarded);
-            subtract(event);
-            discarded.push_back(std::move(event));
+    std::deque<Waiting> kept;
+    for (auto& waiting : events_)
+        if (fits(waiting.event)) {
+            conclude(waiting.event, Ending::discarded);
+            subtract(waiting);
+            discarded.push_back(std::move(waiting.event));
         } else {
-            kept.push_back(std::move(event));
+            kept.push_back(std::move(waiting));
         }
     events_ = std::move(kept);
 }
@@ -122,7 +118,7 @@ std::size_t Mailbox::events() const
 std::int64_t Mailbox::count(const std::function<bool(const Event&)>& fits) const
 {
     const std::lock_guard lock(mutex_);
-    return std::ranges::count_if(events_, fits);
+    return std::ranges::count_if(events_, fits, &Waiting::event);
 }
 
 }  // namespace hive::event

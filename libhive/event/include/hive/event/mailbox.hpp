@@ -10,6 +10,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <variant>
 
 namespace hive::event {
@@ -46,13 +47,19 @@ private:
     struct Load {
         std::size_t events = 0, bytes = 0;
     };
-    void add(const Event& event);
-    void subtract(const Event& event);
-    std::deque<Event>::iterator to_drop(std::size_t Load::*what);
+    struct Waiting {
+        Waiting(Event&& arrived, Load* of_output) : event(std::move(arrived)), load(of_output) {}
+        Event event;
+        Load* load;  ///< null: it is lossless
+    };
+    Load* add(const Event& event);
+    void subtract(const Waiting& waiting);
+    std::deque<Waiting>::iterator to_drop(std::size_t Load::*what);
 
-    std::deque<Event> events_;
+    std::deque<Waiting> events_;
     std::size_t bytes_ = 0;
-    std::map<std::string, Load> live_;  ///< the live ones, by their output
+    /// The live ones, by sender and output. Rows without events stay for the next one.
+    std::map<std::tuple<std::string, std::string>, Load, std::less<>> live_;
     bool nudged_ = false;
 };
 
