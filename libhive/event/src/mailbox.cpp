@@ -45,6 +45,7 @@ void Mailbox::push(Command command)
 {
     const std::lock_guard lock(mutex_);
     commands_.push_back(std::move(command));
+    waiting_commands_ = commands_.size();
 }
 
 void Mailbox::push(Event&& event)
@@ -62,19 +63,11 @@ void Mailbox::push(Event&& event)
         dropped.push_back(std::move(oldest->event));
         events_.erase(oldest);
     }
+    waiting_events_ = events_.size();
 }
 
-void Mailbox::nudge()
-{
-    const std::lock_guard lock(mutex_);
-    nudged_ = true;
-}
-
-bool Mailbox::ready(bool events) const
-{
-    const std::lock_guard lock(mutex_);
-    return nudged_ || !commands_.empty() || (events && !events_.empty());
-}
+/// Called after each handler of the loop, so it takes no lock.
+bool Mailbox::ready(bool events) const { return nudged_ || waiting_commands_ > 0 || (events && waiting_events_ > 0); }
 
 std::optional<Mailbox::Item> Mailbox::pop(bool events)
 {
@@ -83,10 +76,12 @@ std::optional<Mailbox::Item> Mailbox::pop(bool events)
     if (!commands_.empty()) {
         item.emplace(std::move(commands_.front()));
         commands_.pop_front();
+        waiting_commands_ = commands_.size();
     } else if (events && !events_.empty()) {
         subtract(events_.front());
         item.emplace(std::move(events_.front().event));
         events_.pop_front();
+        waiting_events_ = events_.size();
     } else {
         nudged_ = false;
     }
@@ -107,12 +102,7 @@ void Mailbox::discard(const std::function<bool(const Event&)>& fits)
             kept.push_back(std::move(waiting));
         }
     events_ = std::move(kept);
-}
-
-std::size_t Mailbox::events() const
-{
-    const std::lock_guard lock(mutex_);
-    return events_.size();
+    waiting_events_ = events_.size();
 }
 
 std::int64_t Mailbox::count(const std::function<bool(const Event&)>& fits) const

@@ -3,6 +3,7 @@
 
 #include <hive/event.hpp>
 
+#include <atomic>
 #include <cstdint>
 #include <deque>
 #include <functional>
@@ -29,7 +30,7 @@ public:
     /// does not displace other events. Lossless events are bounded by the credit of their sender.
     void push(Event&& event);
     /// Makes it ready() without an item, until the next pop().
-    void nudge();
+    void nudge() { nudged_ = true; }
 
     /// Is there an item, or was it nudged? @param events  false: only commands count
     [[nodiscard]] bool ready(bool events = true) const;
@@ -38,7 +39,7 @@ public:
     /// Removes the matching events; they count as discarded.
     void discard(const std::function<bool(const Event&)>& fits);
     /// The number of waiting events, and of the matching ones among them.
-    [[nodiscard]] std::size_t events() const;
+    [[nodiscard]] std::size_t events() const { return waiting_events_; }
     [[nodiscard]] std::int64_t count(const std::function<bool(const Event&)>& fits) const;
 
 private:
@@ -60,7 +61,8 @@ private:
     std::size_t bytes_ = 0;
     /// The live ones, by sender and output. Rows without events stay for the next one.
     std::map<std::tuple<std::string, std::string>, Load, std::less<>> live_;
-    bool nudged_ = false;
+    std::atomic<std::size_t> waiting_commands_ = 0, waiting_events_ = 0;  ///< the sizes of the two queues
+    std::atomic<bool> nudged_ = false;
 };
 
 }  // namespace hive::event
