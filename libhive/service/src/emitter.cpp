@@ -212,7 +212,8 @@ void Emitter::send(std::size_t output, Event&& event, bool complete)
     event.output = port.name;
     if (slot.outlet->shares())
         event.body = module_->pool().copied_in(event.body);
-    require_at_most("output " + port.name + ": a body", event.body.size(), protocol::Limits{}.body);
+    if (constexpr auto most = protocol::Limits{}.body; event.body.size() > most)
+        require_at_most("output " + port.name + ": a body", event.body.size(), most);
     std::optional<Share> own;
     if (event.identity.lossless)
         own = Share{.of = self_.name + "." + port.name,
