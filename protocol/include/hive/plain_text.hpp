@@ -3,6 +3,7 @@
 
 #include <hive/json.hpp>
 
+#include <array>
 #include <charconv>
 #include <string>
 #include <string_view>
@@ -10,8 +11,14 @@
 
 namespace hive {
 
-/// Does this character stand for itself in a JSON string?
-inline bool is_plain(char c) { return c >= ' ' && c <= '~' && c != '"' && c != '\\'; }
+/// The characters that stand for themselves in a JSON string.
+inline constexpr auto plain_characters = [] {
+    std::array<bool, 256> plain{};
+    for (std::size_t c = ' '; c <= '~'; ++c)
+        plain[c] = c != '"' && c != '\\';
+    return plain;
+}();
+inline bool is_plain(char c) { return plain_characters[static_cast<unsigned char>(c)]; }
 
 /// Appends a JSON string.
 void append_quoted(std::string& text, const std::string& value);
