@@ -223,11 +223,17 @@ bool Child::await_end(Clock::time_point until)
     return true;
 }
 
+bool Child::leads(std::int64_t pid) const { return pid == pid_ || ::getsid(static_cast<pid_t>(pid)) == pid_; }
+
+void Child::terminate()
+{
+    if (!ended())
+        ::kill(pid_, SIGTERM);  // not reaped yet, so the pid is still its own
+}
+
 void Child::end(Clock::time_point kill_at)
 {
-    if (ended())
-        return;
-    ::kill(pid_, SIGTERM);  // not reaped yet, so the pid is still its own
+    terminate();
     if (!await_end(kill_at))
         ::kill(pid_, SIGKILL);
     await_end(Clock::time_point::max());

@@ -1,9 +1,11 @@
 // One child process: starts it, signals its exit with a descriptor, and stops it.
 #pragma once
 
+#include <hive/platform/clock.hpp>
 #include <hive/transport/descriptor.hpp>
 
 #include <chrono>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <sys/types.h>
@@ -23,7 +25,7 @@ struct ChildProgram {
 /// By default the process outlives the object; reap_background_processes() then reaps it.
 class Child {
 public:
-    using Clock = std::chrono::steady_clock;
+    using Clock = platform::SteadyClock;
 
     /// Throws Errc::io if the program cannot be run.
     explicit Child(const ChildProgram& program);
@@ -32,6 +34,8 @@ public:
     Child& operator=(Child&& other) noexcept;
 
     [[nodiscard]] pid_t pid() const { return pid_; }
+    /// Is this the process, or one of the session that it leads, such as the child of a wrapper?
+    [[nodiscard]] bool leads(std::int64_t pid) const;
     /// A pidfd, readable when it has exited; open from now on, until let_go(). -1: it has exited. Throws Errc::io.
     [[nodiscard]] int descriptor();
     /// Closes the descriptor: who runs a thousand children and waits for none of them needs none.
@@ -41,7 +45,9 @@ public:
     std::optional<int> ended();
     /// Waits until it exits. False: not by then.
     bool await_end(Clock::time_point until);
-    /// Sends SIGTERM, and SIGKILL at that time; returns when it is reaped.
+    /// Sends SIGTERM.
+    void terminate();
+    /// The same, and SIGKILL at that time; returns when it is reaped.
     void end(Clock::time_point kill_at);
 
 private:

@@ -149,9 +149,4 @@ bool is_of_kind(const Status& running, const std::string& kind)
     return running.kind == kind || (is_python_file(kind) && interface_of(kind).kind == running.kind);
 }
 
-std::string assignment(const std::string& parameter, const Json& value)
-{
-    return parameter + "=" + (value.is_string() ? value.get<std::string>() : value.dump());
-}
-
 }  // namespace hive

@@ -14,7 +14,7 @@ namespace hive {
 namespace {
 
 using namespace std::chrono_literals;
-using Clock = std::chrono::steady_clock;
+using Clock = platform::SteadyClock;
 using Life = BackgroundProcess::Life;
 
 constexpr std::size_t lines_shown = 15;

@@ -19,7 +19,7 @@ namespace hive {
 /// begin() and poll() hardly block: one thread drives the engines of all machines in turn.
 class Engine {
 public:
-    using Clock = std::chrono::steady_clock;
+    using Clock = platform::SteadyClock;
 
     /// The outcome of starting a drone.
     struct Report {

@@ -9,9 +9,6 @@
 #include <list>
 #include <utility>
 
-#include <csignal>
-#include <unistd.h>
-
 namespace hive {
 namespace {
 
@@ -50,11 +47,10 @@ private:
     void start(const SwarmDrone& drone, std::vector<Report>& reports);
     [[nodiscard]] std::optional<Report> look(Begun& begun) const;
     [[nodiscard]] std::optional<Report> look_at_successor(Begun& begun) const;
-    [[nodiscard]] static bool is_of(const Begun& begun, std::int64_t pid);
     /// Deadline for the drone to hand over.
     [[nodiscard]] bool has_asked(const Begun& begun) const
     {
-        return takes_over(begun.drone) && is_of(begun, home_.successor(begun.drone.name));
+        return takes_over(begun.drone) && begun.process.leads(home_.successor(begun.drone.name));
     }
     [[nodiscard]] Report placed(const std::string& drone) const;
 
@@ -128,18 +124,12 @@ Engine::Report LocalEngine::placed(const std::string& drone) const
             .log = home_.path(drone, ".log").string()};
 }
 
-/// Is this the process that we started, or a child of a wrapper that we started?
-bool LocalEngine::is_of(const Begun& begun, std::int64_t pid)
-{
-    return pid == begun.process.pid() || ::getsid(static_cast<pid_t>(pid)) == begun.process.pid();
-}
-
 std::optional<Engine::Report> LocalEngine::look(Begun& begun) const
 {
     const auto& name = begun.drone.name;
     const auto status = begun.process.ended();
     const bool met = home_.alive(name);
-    if (!status && met && is_of(begun, home_.holder(name)))
+    if (!status && met && begun.process.leads(home_.holder(name)))
         return placed(name);
     if (takes_over(begun.drone))
         return look_at_successor(begun);
@@ -183,8 +173,8 @@ std::vector<SwarmFailure> LocalEngine::stop(const std::vector<std::string>& dron
     const auto meant = [&](const std::string& name) { return std::ranges::find(drones, name) != drones.end(); };
     std::erase_if(waiting_, [&](const SwarmDrone& drone) { return meant(drone.name); });
     for (auto& begun : begun_)
-        if (meant(begun.drone.name) && !has_asked(begun) && !begun.process.ended())
-            ::kill(begun.process.pid(), SIGTERM);
+        if (meant(begun.drone.name) && !has_asked(begun))
+            begun.process.terminate();
     const auto kill_at = Clock::now() + grace;
     std::vector<SwarmFailure> remains;
     std::erase_if(begun_, [&](Begun& begun) {
