@@ -179,6 +179,16 @@ Problems wrongly_connected(const Statuses& statuses, const std::set<std::pair<st
     return problems;
 }
 
+Problems wrongly_resumed(const Statuses& statuses, const std::set<std::string>& halted)
+{
+    Problems problems;
+    for (const auto& name : halted)
+        if (const auto found = statuses.find(name);
+            found != statuses.end() && found->second.state != State::halted && found->second.why != Reason::halted)
+            problems.push_back("restored: " + name + " had halted, and goes on");
+    return problems;
+}
+
 bool connected(const Statuses& statuses, const Edge& edge)
 {
     const auto* output = output_of(statuses, edge.sender);

@@ -25,6 +25,8 @@ Problems without_reason(const Statuses& statuses);
 /// Inputs that a drone should not have, and such that it should: what it was told outlives a crash.
 /// @param wanted  sender and receiver
 Problems wrongly_connected(const Statuses& statuses, const std::set<std::pair<std::string, std::string>>& wanted);
+/// Drones that go on although they have halted, and no resume has come since.
+Problems wrongly_resumed(const Statuses& statuses, const std::set<std::string>& halted);
 /// Are these two connected, at both ends?
 bool connected(const Statuses& statuses, const Edge& edge);
 /// Is the hearer connected, so that it hears the exceptions of this drone? A collector in order hears them as well.

@@ -16,6 +16,12 @@ Condition::Condition(const Topology& topology)
 void Condition::follow(const Step& step)
 {
     switch (step.verb) {
+    case Verb::fail:
+        if (step.second == static_cast<int>(Failure::halts))
+            lives_[step.drone] = Life::halted;
+        else if (step.second == static_cast<int>(Failure::crashes))
+            lives_[step.drone] = Life::killed;
+        break;
     case Verb::kill:
     case Verb::set_and_kill: lives_[step.drone] = Life::killed; break;
     case Verb::freeze: lives_[step.drone] = Life::frozen; break;

@@ -13,6 +13,7 @@
 //   - A sender starts anew, and two or more plain drones receive it: it does not know them before they have come back,
 //     so what it sends meanwhile reaches only those that have.
 //   - A drone whose code throws starts anew: exceptions wait for nobody, and who hears them has to come back first.
+//   - Two machines are parted for so long that a place may be given up.
 //
 // Known and open: an exception that says that an event was given up may come beside its result or exception
 // (../simulation/README.md).
@@ -43,6 +44,9 @@ std::string joined(const std::vector<std::string>& names)
         text += (text.empty() ? "" : ", ") + name;
     return text;
 }
+
+/// Without its peer, for at least so long.
+constexpr int place_kept_ms = 20'000;
 
 bool says_given_up(const Outcome& outcome) { return outcome.failed && outcome.text.starts_with("abandoned"); }
 
@@ -94,8 +98,19 @@ void Model::before(const Step& step)
     for (const auto& edge : topology_.edges())
         if (was.connected(edge.sender, edge.receiver) && !condition_.connected(edge.sender, edge.receiver))
             left(edge.sender, edge.receiver, has_another(edge.sender, edge.receiver, false));
+    if (step.verb == Verb::part && step.number > place_kept_ms)
+        excuse("");
     if (step.verb == Verb::forget)
         left(step.sender, step.drone, has_another(step.sender, step.drone, true));
+}
+
+std::set<std::string> Model::halted() const
+{
+    std::set<std::string> drones;
+    for (const auto& [drone, life] : condition_.lives())
+        if (life == Life::halted)
+            drones.insert(drone);
+    return drones;
 }
 
 /// @param running  only what runs counts
@@ -114,7 +129,7 @@ void Model::began_anew(const std::string& drone)
     if (drone == source || drone == watcher)
         return;
     const auto& stage = topology_.stages.at(topology_.stage_of(drone));
-    if (stage.throw_every > 0)
+    if (topology_.may_throw(stage))
         excuse(stage.shared() ? "" : drone);
 }
 

@@ -30,6 +30,8 @@ public:
     void before(const Step& step);
     /// What the drones were told to receive: sender and receiver.
     [[nodiscard]] const std::set<std::pair<std::string, std::string>>& wanted() const { return condition_.wanted(); }
+    /// Those that have halted.
+    [[nodiscard]] std::set<std::string> halted() const;
     /// What is excused now, until the edges of the drone are whole again; "" stands for all drones.
     [[nodiscard]] std::vector<std::string> excused() const;
     /// They are: the source had produced so many events by then.

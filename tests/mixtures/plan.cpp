@@ -15,6 +15,8 @@ public:
         : topology_(plan.topology),
           random_(random),
           forgets_(plan.faults.contains(fault::forget)),
+          replaces_(plan.faults.contains(fault::replace)),
+          parts_(plan.faults.contains(fault::part)),
           condition_(topology_)
     {
     }
@@ -60,6 +62,8 @@ private:
         for (const auto& edge : topology_.edges())
             about(edge, choices);
         about_sets(choices);
+        for (int i = 0; i < (parts_ ? 8 : 0); ++i)
+            choices.push_back({.verb = Verb::part});
         take(random_.pick(choices));
     }
 
@@ -70,12 +74,15 @@ private:
                 choices.push_back({.verb = verb, .drone = drone});
         };
         const bool another = condition_.broken() < 2;
+        if (replaces_ && drone != watcher && condition_.runs(drone))
+            offer(Verb::replace, 6);
         switch (life) {
         case Life::up:
             offer(Verb::kill, another ? 4 : 0);
             offer(Verb::freeze, another ? 3 : 0);
             offer(Verb::halt, another ? 2 : 0);
             offer(Verb::stop, another ? 1 : 0);
+            offer(Verb::fail, topology_.fails && another && drone != source && drone != watcher ? 5 : 0);
             break;
         case Life::killed:
         case Life::stopped: offer(Verb::start, 25); break;
@@ -120,6 +127,15 @@ private:
         switch (step.verb) {
         case Verb::freeze: return freeze(step);
         case Verb::thaw: return thaw(step.drone);
+        case Verb::replace: return replace(std::move(step));
+        case Verb::fail:
+            step.second = random_.between(0, 3);
+            step.number = step.second == static_cast<int>(Failure::hangs) ? random_.between(100, 6000) : 0;
+            break;
+        case Verb::part:
+            step.number = random_.between(200, random_.pick(std::vector{1500, 5000, 12'000, 40'000}));
+            step.second = random_.between(0, 2);
+            break;
         case Verb::change:
             step.number = random_.between(1, 8);
             step.second = random_.between(0, may_regroup(step.drone) ? 2 : 1);
@@ -133,6 +149,34 @@ private:
             break;
         default: break;
         }
+        add(std::move(step));
+    }
+
+    /// Results of two kinds of members are two results, if a group behind another one has both (SPEC.md, section 8.3).
+    bool mixes_kinds(const std::string& drone) const
+    {
+        const auto workers = topology_.workers();
+        if (std::ranges::count(workers, drone) == 0)
+            return false;
+        const auto stage = topology_.stage_of(drone);
+        return stage > 0 && topology_.stages[stage].drones.size() > 1;
+    }
+
+    /// One that has halted stays halted only if it is not killed.
+    void replace(Step step)
+    {
+        auto others = workers_that_run();
+        std::erase(others, step.drone);
+        const bool halted = condition_.life(step.drone) == Life::halted;
+        const auto meanwhile = static_cast<Meanwhile>(random_.between(0, halted ? 1 : 7));
+        const bool possible = meanwhile == Meanwhile::other_too    ? !others.empty() && condition_.broken() == 0
+                              : meanwhile == Meanwhile::other_kind ? !mixes_kinds(step.drone)
+                              : meanwhile == Meanwhile::set_all    ? !others.empty()
+                                                                   : true;
+        step.number = random_.between(1, meanwhile == Meanwhile::set_all ? 12 : 60);
+        step.second = possible ? static_cast<int>(meanwhile) : 0;
+        if (possible && meanwhile == Meanwhile::other_too)
+            step.sender = random_.pick(others);
         add(std::move(step));
     }
 
@@ -174,7 +218,7 @@ private:
 
     const Topology& topology_;
     Random& random_;
-    const bool forgets_;
+    const bool forgets_, replaces_, parts_;
     Condition condition_;
     std::map<std::string, int> frozen_ms_;
     std::vector<Step> steps_;
@@ -186,6 +230,9 @@ Plan make_plan(std::uint64_t seed, int steps, const std::set<std::string>& fault
 {
     Random random(seed);
     Plan plan{.seed = seed, .topology = make_topology(random), .steps = {}, .faults = faults};
+    plan.topology.fails = faults.contains(fault::fail);
+    if (faults.contains(fault::bodies) && random.chance(60))
+        plan.topology.stages.front().options.encoding = half_encoding;
     plan.steps = Planner(plan, random).steps(steps);
     return plan;
 }

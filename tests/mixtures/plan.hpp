@@ -13,6 +13,9 @@ namespace hive::mixtures {
 
 inline const std::string source = "source", watcher = "watcher", hearer = "hearer";
 
+/// That the source of a round with bodies supports: it leaves out the second half of a body.
+inline const std::string half_encoding = "half";
+
 /// Drones side by side, each connected to every drone of the stage before (the first: to the source).
 struct Stage {
     std::vector<std::string> drones;
@@ -33,12 +36,14 @@ struct Topology {
     bool demand = true;    ///< the source is lossless; otherwise live
     bool ordered = false;  ///< results are collected in order
     bool watched = false;  ///< a further drone takes notifications of the source
+    bool fails = false;    ///< any worker may throw
     std::vector<Stage> stages;
 
     [[nodiscard]] std::vector<Edge> edges() const;
     [[nodiscard]] std::vector<std::string> drones() const;   ///< all
     [[nodiscard]] std::vector<std::string> workers() const;  ///< of the stages
     [[nodiscard]] std::size_t stage_of(const std::string& worker) const;
+    [[nodiscard]] bool may_throw(const Stage& stage) const { return fails || stage.throw_every > 0; }
     /// What a step connects. One that changes options makes of a plain edge a stream (1), or has a worker that is alone
     /// in its stage share where it did not, and the other way round (2).
     [[nodiscard]] Edge edge_of(const Step& step) const;
@@ -64,15 +69,38 @@ enum class Verb {
     set_and_kill,  ///< one of these, while `drone` is killed
     rest,          ///< nothing: only wait and check
     forget,        ///< `sender` waits no longer for `drone`, which was killed; it comes back by itself when it starts
+    replace,  ///< another process takes the drone over, and Meanwhile(`second`) happens, after `number` milliseconds
+    fail,     ///< the drone's code fails, once, at one of the next events, as Failure(`second`) says
+    part,     ///< for `number` ms nothing passes between two machines, or only in one direction (`second` 1, 2)
     // Only on several machines (../soak); no plan draws these.
-    replace,      ///< another process takes the drone over
-    fail,         ///< the drone's code throws, once, at one of the next events
     cut,          ///< the machine `drone` has no network
     mend,         ///< it has again
     swallow,      ///< what the machine `sender` sends to the machine `drone` vanishes
     let_through,  ///< it arrives again
 };
 std::string_view token(Verb verb) noexcept;
+
+/// While a drone is replaced.
+enum class Meanwhile {
+    nothing,
+    other_kind,  ///< nothing, but the new one is another program with the same ports
+    twice,       ///< it is replaced once more
+    other_too,   ///< the drone `sender` is replaced as well
+    kill_old,
+    kill_new,
+    kill_caller,  ///< the process that replaces it
+    set_all,      ///< work_ms and most_ms of all workers that run; `number` is the work_ms
+};
+std::string_view token(Meanwhile meanwhile) noexcept;
+
+/// Of the code of a drone.
+enum class Failure {
+    throws,
+    halts,    ///< it throws, and the policy is `halt`
+    crashes,  ///< in the middle of a callback
+    hangs,    ///< the callback returns `number` ms later
+};
+std::string_view token(Failure failure) noexcept;
 
 struct Step {
     Verb verb{};
@@ -83,12 +111,16 @@ struct Step {
 
 /// Faults that the simulated world adds to the steps when they are asked for.
 namespace fault {
+inline const std::string bodies = "bodies";            ///< of up to 300 KiB, encoded for some connections
 inline const std::string crash_point = "crash-point";  ///< a killed drone dies between two writes of a handler
 inline const std::string clocks = "clocks";            ///< the drones are on two machines
 inline const std::string clock_step = "clock-step";    ///< the time of day is set, back as well
 inline const std::string ends = "ends";                ///< the source ends when it has made what it may
+inline const std::string fail = "fail";                ///< steps of that name
 inline const std::string forget = "forget";            ///< steps of that name
 inline const std::string lie = "lie";                  ///< peers that are not in the round lie
+inline const std::string part = "part";                ///< steps of that name, on two machines
+inline const std::string replace = "replace";          ///< steps of that name
 inline const std::string silence = "silence";          ///< for a time, one drone does not hear another
 }  // namespace fault
 

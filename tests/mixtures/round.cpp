@@ -73,6 +73,10 @@ void Round::perform(const Step& step)
     case Verb::set_all: return set(step);
     case Verb::set_twice: return set_twice(step);
     case Verb::set_and_kill: return set_and_kill(step);
+    case Verb::replace:
+        if (step.second == static_cast<int>(Meanwhile::set_all))
+            return set_and_replace(step);
+        break;
     case Verb::stop: stopped_.insert(step.drone); break;
     case Verb::start:
         if (stopped_.erase(step.drone) > 0 && step.drone != source && step.drone != watcher)
@@ -121,6 +125,21 @@ void Round::set_and_kill(const Step& step)
     };
     ground_.at_once([&] { told = ground_.set(all); }, kill);
     if (auto problem = values_.set(all, told, step.drone))
+        problems_.push_back(*problem);
+}
+
+/// A process that is replaced is not killed: all drones have the new values, or none. A set that meets none of the two
+/// is refused.
+void Round::set_and_replace(const Step& step)
+{
+    const auto all = change(step.number, 20);
+    Told told{};
+    const auto set = [&] {
+        ground_.sleep(std::chrono::milliseconds(3 * step.number));
+        told = ground_.set(all);
+    };
+    ground_.at_once(set, [&] { ground_.perform(step); });
+    if (auto problem = values_.set(all, told == Told::applied ? told : Told::unknown))
         problems_.push_back(*problem);
 }
 

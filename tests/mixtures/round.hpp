@@ -57,6 +57,7 @@ private:
     void set(const Step& step);
     void set_twice(const Step& step);
     void set_and_kill(const Step& step);
+    void set_and_replace(const Step& step);
     [[nodiscard]] Change change(int work_ms, int most_ms) const;
     void look();
     Problems watch(const Statuses& statuses);

@@ -30,7 +30,7 @@ bool Round::whole(const Statuses& statuses, const std::string& drone) const
 {
     for (const auto& stage : plan_.topology.stages)
         for (const auto& worker : stage.drones)
-            if (stage.throw_every > 0 && (drone.empty() || worker == drone) && !heard(statuses, worker))
+            if (plan_.topology.may_throw(stage) && (drone.empty() || worker == drone) && !heard(statuses, worker))
                 return false;
     return std::ranges::all_of(plan_.topology.edges(), [&](const Edge& edge) {
         return (!drone.empty() && edge.sender != drone && edge.receiver != drone) || connected(statuses, edge);
@@ -84,6 +84,7 @@ Problems Round::watch(const Statuses& statuses)
     add(lease_.look(heard, ground_.now()));
     add(idle_.look(heard, ground_.now()));
     add(wrongly_connected(statuses, model_.wanted()));
+    add(wrongly_resumed(statuses, model_.halted()));
     add(impossible_ages(statuses, ground_.age(), ground_.age_error()));
     if (plan_.topology.demand)
         add(pace_.look(statuses, ground_.fed(), ground_.now()));

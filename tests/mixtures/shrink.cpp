@@ -20,6 +20,10 @@ bool can_be_done(const Step& step, const Condition& condition)
     case Verb::freeze:
     case Verb::halt:
     case Verb::stop: return is(Life::up);
+    case Verb::replace:
+        return is(Life::up) ? step.sender.empty() || condition.life(step.sender) == Life::up
+                            : is(Life::halted) && step.second <= static_cast<int>(Meanwhile::other_kind);
+    case Verb::fail: return is(Life::up);
     case Verb::thaw: return is(Life::frozen);
     case Verb::resume: return is(Life::halted);
     case Verb::connect: return both_run() && !condition.connected(step.sender, step.drone);

@@ -37,19 +37,33 @@ Stage make_stage(Random& random, char letter, int most)
 std::string words(const ConnectionOptions& options)
 {
     std::string text = options.transfer == Transfer::streaming ? "stream" : "window " + std::to_string(options.window);
+    if (!options.encoding.empty())
+        text += ", as " + options.encoding;
     if (!options.group.empty())
         text +=
             ", shared, lease " + std::to_string(options.lease.value_or(std::chrono::milliseconds(0)).count()) + " ms";
     return text;
 }
 
-constexpr std::array verbs{"feed",   "connect", "change", "disconnect", "kill",    "start",   "freeze",     "thaw",
-                           "halt",   "resume",  "stop",   "set one",    "set all", "set two", "set, kill",  "rest",
-                           "forget", "replace", "fail",   "cut",        "mend",    "swallow", "let through"};
+constexpr std::array verbs{"feed",    "connect", "change",    "disconnect", "kill",    "start",
+                           "freeze",  "thaw",    "halt",      "resume",     "stop",    "set one",
+                           "set all", "set two", "set, kill", "rest",       "forget",  "replace",
+                           "fail",    "part",    "cut",       "mend",       "swallow", "let through"};
+constexpr std::array failures{"", "and halts", "and crashes", "and hangs"};
+constexpr std::array meanwhiles{"",
+                                "by another kind",
+                                "twice",
+                                "and the other as well",
+                                "and kill the old one",
+                                "and kill the new one",
+                                "and kill the caller",
+                                "and set all"};
 
 }  // namespace
 
 std::string_view token(Verb verb) noexcept { return verbs.at(static_cast<std::size_t>(verb)); }
+std::string_view token(Failure failure) noexcept { return failures.at(static_cast<std::size_t>(failure)); }
+std::string_view token(Meanwhile meanwhile) noexcept { return meanwhiles.at(static_cast<std::size_t>(meanwhile)); }
 
 Topology make_topology(Random& random)
 {
@@ -149,7 +163,11 @@ std::string to_text(const Step& step)
         text += " after " + std::to_string(step.number) + " ms";
     else if (step.number > 0)
         text += " " + std::to_string(step.number);
-    if (step.second > 0)
+    if (step.second > 0 && step.verb == Verb::replace)
+        text += " " + std::string(token(static_cast<Meanwhile>(step.second)));
+    else if (step.second > 0 && step.verb == Verb::fail)
+        text += " " + std::string(token(static_cast<Failure>(step.second)));
+    else if (step.second > 0)
         text += " " + std::to_string(step.second);
     return step.settle ? text + ", then check" : text;
 }

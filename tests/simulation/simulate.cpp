@@ -28,9 +28,10 @@ int main(int argc, char** argv)
             std::cout << "digest " << std::hex << played.digest << std::dec << "\n";
         return played;
     };
-    const int code = hive::mixtures::play_rounds(
-        app, argc, argv, play,
-        {fault::clocks, fault::clock_step, fault::crash_point, fault::ends, fault::forget, fault::lie, fault::silence});
+    const int code = hive::mixtures::play_rounds(app, argc, argv, play,
+                                                 {fault::bodies, fault::clocks, fault::clock_step, fault::crash_point,
+                                                  fault::ends, fault::fail, fault::forget, fault::lie, fault::part,
+                                                  fault::replace, fault::silence});
     const Seconds took = std::chrono::steady_clock::now() - begin;
     std::cout << std::fixed << std::setprecision(0) << "a second: " << static_cast<double>(histories) / took.count()
               << " histories, " << simulated / took << " simulated seconds, "

@@ -1,5 +1,6 @@
 // Runs simulated drones, reads their statuses, and collects.
 #include "drones.hpp"
+#include "programs.hpp"
 #include "simulated_ground.hpp"
 
 #include <orders.hpp>
@@ -29,7 +30,19 @@ Json first_parameters(const Topology& topology, const std::string& drone, std::i
             {"throw_every", topology.stages.at(topology.stage_of(drone)).throw_every}};
 }
 
-/// Who is there from the beginning to the end of a round.
+/// Each kind is there twice, so that a drone can be replaced by one of another kind.
+Interface interface_of_kind(const std::string& kind)
+{
+    EmbeddedDrone embedded({kind, "of a simulated round"}, {.name = "described"});
+    kind.starts_with("ticker") ? source(embedded.drone()) : worker(embedded.drone());
+    return embedded.interface();
+}
+
+constexpr auto time_to_replace = 5s;
+constexpr auto turn_time = 20ms;  ///< of the collector, which has two things to wait for
+
+}  // namespace
+
 std::set<std::string> peers(const Topology& topology)
 {
     std::set<std::string> names{"collector", mixtures::hearer};
@@ -37,10 +50,6 @@ std::set<std::string> peers(const Topology& topology)
         names.insert(drone);
     return names;
 }
-
-constexpr auto turn_time = 20ms;  ///< of the collector, which has two things to wait for
-
-}  // namespace
 
 Application::Options application_named(const std::string& name, std::chrono::milliseconds timeout)
 {
@@ -66,9 +75,12 @@ SimulatedGround::SimulatedGround(World& world, const mixtures::Plan& plan, const
       links_(peers(topology_)),
       calls_(Application::Options().timeout),
       waits_(2 * turn_time),
-      impatient_calls_(short_timeout)
+      impatient_calls_(short_timeout),
+      replaces_(time_to_replace)
 {
-    if (has(mixtures::fault::clocks))
+    programs() = {.start = [this](const auto& words) -> Process& { return start_program(words); },
+                  .describe = [](const auto& kind) { return interface_of_kind(kind); }};
+    if (has(mixtures::fault::clocks) || has(mixtures::fault::part))
         part_clocks();
     for (const auto& drone : topology_.drones()) {
         start(drone, false);
@@ -86,7 +98,9 @@ SimulatedGround::~SimulatedGround()
     for (auto* const guest : guests_)
         world_.kill(*guest);
     for (const auto& [drone, running] : running_)
-        world_.kill(*running.process);
+        world_.kill(*running->process);
+    for (const auto& [drone, successor] : successors_)
+        world_.kill(*successor->process);
     if (world_.current()->dead) {
         world_.kill(*collected_.process);
         return;
@@ -99,8 +113,9 @@ SimulatedGround::~SimulatedGround()
 void SimulatedGround::part_clocks()
 {
     const auto offset = world_.between(10s, 1h);
-    world_.set_clock(1, {.offset = world_.chance(50) ? offset : -offset,
-                         .drift_ppm = static_cast<std::int64_t>(world_.chance_of(401)) - 200});
+    if (has(mixtures::fault::clocks))
+        world_.set_clock(1, {.offset = world_.chance(50) ? offset : -offset,
+                             .drift_ppm = static_cast<std::int64_t>(world_.chance_of(401)) - 200});
     for (const auto& drone : topology_.drones())
         machines_[drone] = static_cast<int>(world_.chance_of(2));
 }
@@ -119,7 +134,7 @@ std::optional<std::chrono::microseconds> SimulatedGround::age_error() const
         return std::nullopt;
     if (!has(mixtures::fault::clocks))
         return 0us;
-    return freezes_ || has(mixtures::fault::silence) ? 2s : 30ms;
+    return freezes_ || has(mixtures::fault::silence) || has(mixtures::fault::part) ? 2s : 30ms;
 }
 
 void SimulatedGround::until(const std::function<bool()>& condition)
@@ -145,44 +160,58 @@ void SimulatedGround::start(const std::string& drone, bool remembers, std::optio
     EmbeddedOptions options{.name = drone};
     if (!remembers)
         options.parameters = first_parameters(topology_, drone, fed_, has(mixtures::fault::ends));
-    options.log = log_of(drone);
-    Running& running = running_[drone] = {};
-    running.process = &world_.spawn(drone, [this, drone, options] { live(drone, options); });
-    running.process->writes_left = writes;
-    running.process->machine = machine_of(drone);
-    until([&] { return running.ready || running.process->dead; });
+    const auto running = running_[drone] = std::make_shared<Running>();
+    options.log = log_of(drone, running);
+    running->process = &world_.spawn(drone, [this, drone, remembers, options, running] {
+        EmbeddedDrone embedded({kind_of(drone, remembers), "of a simulated round"}, options);
+        live(drone, embedded, running);
+    });
+    running->process->writes_left = writes;
+    running->process->machine = machine_of(drone);
+    until([&] { return running->ready || running->process->dead; });
     links_.mended(drone, world_.now());
 }
 
-Log SimulatedGround::log_of(const std::string& drone)
+/// The program that last had the name, or the one of the beginning.
+std::string SimulatedGround::kind_of(const std::string& drone, bool remembers) const
 {
-    return [this, drone](LogLevel, const std::string& text) {
+    const auto state = remembers ? event::Home(event::default_home()).read_state(drone) : std::nullopt;
+    return state ? state->value("kind", "") : drone == mixtures::source ? "ticker" : "sleeper";
+}
+
+Log SimulatedGround::log_of(const std::string& drone, RunningPtr running)
+{
+    return [this, drone, running = std::move(running)](LogLevel, const std::string& text) {
         trace_.line(drone, text);
         if (text.starts_with("the network side threw"))
             std::abort();  // a crash prints its seed
+        if (running && text == "started")
+            took_name(drone, running);
+        else if (running && text == "stopped")
+            running->stopped = true;
         if (running_.contains(drone))
             links_.logged(drone, text, world_.now());
     };
 }
 
-void SimulatedGround::live(const std::string& name, EmbeddedOptions options)
+void SimulatedGround::live(const std::string& name, EmbeddedDrone& embedded, const RunningPtr& running)
 {
-    EmbeddedDrone embedded({name == mixtures::source ? "ticker" : "sleeper", "of a simulated round"},
-                           std::move(options));
-    Running& running = running_[name];
-    const std::shared_ptr<void> gone(nullptr, [&running](void*) { running.drone = nullptr; });
+    const std::shared_ptr<void> gone(nullptr, [running](void*) { running->drone = nullptr; });
     Drone& drone = embedded.drone();
     if (name == mixtures::source)
-        source(drone, [this, &running](std::int64_t us, std::int64_t sequence, std::int64_t number) {
-            if (has(mixtures::fault::ends))
-                captures_[{us, sequence}] = {running.epoch, number};
-        });
+        source(
+            drone,
+            [this, running](std::int64_t us, std::int64_t sequence, std::int64_t number) {
+                if (has(mixtures::fault::ends))
+                    captures_[{us, sequence}] = {running->epoch, number};
+            },
+            has(mixtures::fault::bodies) ? [this] { return body_size(); } : std::function<std::size_t()>());
     else
-        worker(drone);
+        watched_worker(drone, [this, name](const Event& event) { on_work(name, event); });
     drone.on_start([&] {
-        running.drone = &drone;
-        running.epoch = drone.status().epoch;
-        running.ready = true;
+        running->drone = &drone;
+        running->epoch = drone.status().epoch;
+        running->ready = true;
     });
     embedded.run();
 }
@@ -200,7 +229,7 @@ Statuses SimulatedGround::statuses()
 {
     Statuses statuses;
     for (const auto& name : answering())
-        if (auto* const drone = running_.at(name).drone)
+        if (auto* const drone = running_.at(name)->drone)
             statuses[name] = drone->status();
     return statuses;
 }
@@ -218,9 +247,9 @@ std::int64_t SimulatedGround::count()
 std::vector<std::string> SimulatedGround::complaints()
 {
     auto all = links_.take_problems();
-    for (auto* const seen : {&wrong_ages_, &wrong_ends_})
+    for (auto* const seen : {&wrong_ages_, &wrong_ends_, &wrong_owners_, &wrong_bodies_})
         std::ranges::move(std::exchange(*seen, {}), std::back_inserter(all));
-    for (auto* const more : {&calls_, &waits_, &impatient_calls_})
+    for (auto* const more : {&calls_, &waits_, &impatient_calls_, &replaces_})
         std::ranges::move(more->take_problems(), std::back_inserter(all));
     return all;
 }
@@ -229,8 +258,8 @@ std::vector<std::string> SimulatedGround::fallen()
 {
     auto fallen = std::exchange(fallen_, {});
     for (const auto& [drone, running] : running_)
-        if (!killed_.contains(drone) && running.process->dead)
-            fallen.push_back(drone + " ended by itself: " + running.process->failure);
+        if (!killed_.contains(drone) && running->process->dead)
+            fallen.push_back(drone + " ended by itself: " + running->process->failure);
     return fallen;
 }
 
@@ -240,7 +269,7 @@ std::vector<std::string> SimulatedGround::end()
     for (const auto& [drone, running] : running_) {
         links_.broken(drone, world_.now());
         calls_.keep("stop", [&] { application_->stop(drone); });
-        const auto process = running.process;
+        const auto process = running->process;
         for (const auto last = world_.now() + 5s; !process->dead && world_.now() < last;)
             world_.sleep(1ms);
         if (!process->dead || !process->failure.empty())
@@ -257,6 +286,8 @@ std::vector<std::string> SimulatedGround::end()
 void SimulatedGround::take(const Event& event, bool failed)
 {
     check_age(event);
+    if (const auto wrong = failed ? std::nullopt : wrong_body(event))
+        wrong_bodies_.push_back(*wrong);
     auto outcome = mixtures::outcome_of(event, failed);
     if (const auto found = captures_.find({event.identity.captured_us, outcome.sequence}); found != captures_.end())
         std::tie(outcome.epoch, outcome.sequence) = found->second;

@@ -13,6 +13,7 @@
 
 #include <map>
 #include <set>
+#include <tuple>
 
 namespace hive::simulation {
 
@@ -31,6 +32,9 @@ private:
 inline constexpr auto short_timeout = std::chrono::seconds(1);
 Application::Options application_named(const std::string& name,
                                        std::chrono::milliseconds timeout = Application::Options().timeout);
+
+/// Who is there from the beginning to the end of a round.
+std::set<std::string> peers(const mixtures::Topology& topology);
 
 /// Made and used by a thread of the world.
 class SimulatedGround final : public mixtures::Ground {
@@ -70,12 +74,20 @@ public:
     std::vector<std::string> end() override;
 
 private:
+    /// A process of a drone.
     struct Running {
         Process* process = nullptr;
         Drone* drone = nullptr;  ///< while it exists
-        bool ready = false;
+        bool ready = false, stopped = false;
         std::int64_t epoch = 0;
     };
+    /// The code of a drone fails at this one of the events that come from now on.
+    struct Failing {
+        std::uint64_t events;
+        mixtures::Failure how;
+        std::chrono::milliseconds time;
+    };
+    using RunningPtr = std::shared_ptr<Running>;
     struct Collected {
         std::vector<Outcome> came;
         CollectCounts counts;
@@ -90,8 +102,19 @@ private:
     void kill(const std::string& drone);
     void die_while_writing(Process& process);
     [[nodiscard]] bool has(const std::string& fault) const { return faults_.contains(fault); }
-    void live(const std::string& drone, EmbeddedOptions options);
-    [[nodiscard]] Log log_of(const std::string& drone);
+    void live(const std::string& name, EmbeddedDrone& embedded, const RunningPtr& running);
+    [[nodiscard]] std::string kind_of(const std::string& drone, bool remembers) const;
+    [[nodiscard]] Log log_of(const std::string& drone, RunningPtr running = {});
+    void fail(const mixtures::Step& step);
+    [[nodiscard]] bool fails_now(const std::string& drone);
+    void on_work(const std::string& drone, const Event& event);
+    [[nodiscard]] std::size_t body_size();
+    void part(std::chrono::milliseconds time, int way);
+    void replace(const mixtures::Step& step);
+    Process& replace_in_background(const std::string& drone, const std::string& kind = {});
+    void await_successors();
+    Process& start_program(const std::vector<std::string>& words);
+    void took_name(const std::string& drone, const RunningPtr& running);
     [[nodiscard]] std::vector<Endpoint> ends() const;
     void collect();
     void take(const Event& event, bool failed);
@@ -127,7 +150,8 @@ private:
     std::map<std::string, int> machines_;  ///< of drones; who is not here is on machine 0
     std::vector<std::string> wrong_ages_;
     const Trace& trace_;
-    std::map<std::string, Running> running_;
+    std::map<std::string, RunningPtr> running_;                   ///< who has the name
+    std::vector<std::pair<std::string, RunningPtr>> successors_;  ///< that wait for a name, or did
     std::map<std::string, Time> frozen_;
     std::set<std::string> killed_;
     std::map<std::string, int> born_;
@@ -135,15 +159,19 @@ private:
     /// Epoch of the source's run, and number in it, by what an event says.
     std::map<std::pair<std::int64_t, std::int64_t>, std::pair<std::int64_t, std::int64_t>> captures_;
     std::vector<std::string> wrong_ends_;
+    std::vector<std::string> wrong_owners_, wrong_bodies_;
+    std::map<std::string, Failing> failing_;
+    /// An event for which code of a plain drone or of a stage that shares is called: does it throw, each time?
+    std::map<std::tuple<std::string, std::int64_t, std::int64_t, std::int64_t>, bool> throws_;
     int disturbances_ = 0;  ///< faults so far, and orders that are not for the source
-    int liars_ = 0, watchers_ = 0;
+    int liars_ = 0, watchers_ = 0, callers_ = 0;
     std::vector<Process*> guests_;     ///< processes outside of the round: liars, their receivers, and watchers
     std::vector<std::string> fallen_;  ///< of them
     std::int64_t fed_ = 1;
     Collected collected_;
     Links links_;
-    Time silent_until_{};
-    Deadline calls_, waits_, impatient_calls_;
+    Time silent_until_{}, reachable_from_{};
+    Deadline calls_, waits_, impatient_calls_, replaces_;
     std::optional<Application> application_, impatient_;  ///< the latter asks drones that cannot answer
     std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);
 };

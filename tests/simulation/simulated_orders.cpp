@@ -43,12 +43,15 @@ void SimulatedGround::perform(const Step& step)
     set_clock_sometimes();
     lie_sometimes();
     disturbances_ += step.verb == Verb::feed || step.verb == Verb::rest ? 0 : 1;
+    const std::set local{Verb::kill, Verb::start, Verb::freeze, Verb::thaw, Verb::rest};
+    if (!local.contains(step.verb))
+        until([this] { return world_.now() >= reachable_from_; });
     if (step.verb == Verb::connect || step.verb == Verb::change || step.verb == Verb::disconnect)
         wait_until_heard();
     else
         silence_sometimes();
     perform_now(step);
-    if (has(mixtures::fault::clocks))
+    if (has(mixtures::fault::clocks) || has(mixtures::fault::part))
         world_.sleep(20ms);  // until all that the network had for an earlier run has been refused
 }
 
@@ -68,6 +71,9 @@ void SimulatedGround::perform_now(const Step& step)
     case Verb::halt: return calls_.keep("halt", [&] { application_->halt(step.drone); });
     case Verb::resume: return calls_.keep("resume", [&] { application_->resume(step.drone); });
     case Verb::stop: return stop(step.drone);
+    case Verb::fail: return fail(step);
+    case Verb::part: return part(std::chrono::milliseconds(step.number), step.second);
+    case Verb::replace: return replace(step);
     default: return;
     }
 }
@@ -84,7 +90,7 @@ try {
 void SimulatedGround::kill(const std::string& drone)
 {
     links_.broken(drone, world_.now());
-    Process& process = *running_.at(drone).process;
+    Process& process = *running_.at(drone)->process;
     if (has(mixtures::fault::crash_point) && !process.writes_left)
         process.writes_left = static_cast<int>(world_.chance_of(12));
     if (process.writes_left)
@@ -116,7 +122,7 @@ void SimulatedGround::stop(const std::string& drone)
 {
     links_.broken(drone, world_.now());
     calls_.keep("stop", [&] { application_->stop(drone); });
-    until([process = running_.at(drone).process] { return process->dead; });  // it uses its row to the end
+    until([process = running_.at(drone)->process] { return process->dead; });  // it uses its row to the end
     running_.erase(drone);
 }
 
@@ -131,7 +137,7 @@ try {
 void SimulatedGround::freeze(const std::string& drone)
 {
     ask_impatiently(drone);  // so that there is a connection
-    running_.at(drone).process->frozen = true;
+    running_.at(drone)->process->frozen = true;
     frozen_[drone] = world_.now();
     links_.frozen(drone, world_.now());
 }
@@ -143,7 +149,7 @@ void SimulatedGround::thaw(const std::string& drone, std::chrono::milliseconds l
         ask_impatiently(drone);
     if (until > world_.now())
         world_.sleep(until - world_.now());
-    running_.at(drone).process->frozen = false;
+    running_.at(drone)->process->frozen = false;
     frozen_.erase(drone);
     links_.thawed(drone, world_.now());
 }
@@ -160,11 +166,12 @@ void SimulatedGround::cut_sometimes()
     const auto name = names[world_.chance_of(names.size())];
     world_.at(world_.now() + world_.between(0ms, 60ms), [this, name, alive = std::weak_ptr(alive_)] {
         const auto found = alive.expired() ? running_.end() : running_.find(name);
-        if (found == running_.end() || found->second.process->dead)
+        if (found == running_.end() || found->second->process->dead)
             return;
         const auto drones = topology_.drones();
-        const auto peer = cut_one_connection(
-            *found->second.process, [&](const Process& other) { return std::ranges::count(drones, other.name) > 0; });
+        const auto peer = cut_one_connection(*found->second->process, [&](const Process& other) {
+            return other.name != name && std::ranges::count(drones, other.name) > 0;
+        });
         if (peer.empty())
             return;
         ++disturbances_;
@@ -193,7 +200,7 @@ void SimulatedGround::silence_sometimes()
         return;
     const auto drones = topology_.drones();
     const auto until = world_.now() + world_.between(50ms, 3500ms);
-    auto& process = *running_.at(names[world_.chance_of(names.size())]).process;
+    auto& process = *running_.at(names[world_.chance_of(names.size())])->process;
     const auto peer = silence_one_connection(
         process, [&](const Process& other) { return std::ranges::count(drones, other.name) > 0; }, until);
     if (peer.empty())
@@ -202,6 +209,22 @@ void SimulatedGround::silence_sometimes()
     ++disturbances_;
     trace_.line("network", "between " + process.name + " and " + peer + " one does not hear the other");
     links_.silent(process.name, peer, world_.now(), until);
+}
+
+/// @param way  0: both directions
+void SimulatedGround::part(std::chrono::milliseconds time, int way)
+{
+    const auto until = world_.now() + time;
+    silent_until_ = std::max(silent_until_, until);
+    reachable_from_ = silent_until_ + 1s;  // what has ended is opened again
+    for (const auto& drone : peers(topology_))
+        for (const auto& other : peers(topology_))
+            if (machine_of(drone) < machine_of(other))
+                links_.silent(drone, other, world_.now(), until);
+    if (way != 1)
+        part_machines(0, 1, until);
+    if (way != 2)
+        part_machines(1, 0, until);
 }
 
 void SimulatedGround::wait_until_heard()

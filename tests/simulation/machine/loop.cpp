@@ -1,6 +1,7 @@
 // The loop: a thread waits by leaving its stack, and the world runs the handlers.
 #include "world.hpp"
 
+#include <hive/event/descriptors.hpp>
 #include <hive/event/loop.hpp>
 
 #include <asio/post.hpp>
@@ -117,6 +118,12 @@ void Loop::wait(Clock::time_point deadline, const std::function<bool()>& done)
     leave();
     if (!over)
         world().wait(&side_of(this), deadline, &done);
+}
+
+/// Descriptors report nothing: those who watch them poll as well.
+void wait(Loop& loop, Clock::time_point deadline, const std::function<bool()>& done, const std::vector<int>&)
+{
+    loop.wait(deadline, done);
 }
 
 void Loop::interrupt()

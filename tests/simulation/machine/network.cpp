@@ -129,7 +129,8 @@ simulation::Time heard_at(const Process& one, const Process& other)
 {
     const auto way = [](const Process& from, const Process& to) {
         const auto found = from.unheard.find(to.pid);
-        return found == from.unheard.end() ? simulation::Time() : found->second;
+        return std::max(found == from.unheard.end() ? simulation::Time() : found->second,
+                        world().parted_until(from.machine, to.machine));
     };
     return std::max(way(one, other), way(other, one));
 }
@@ -246,6 +247,15 @@ std::string cut_one_connection(Process& process, const std::function<bool(const 
         return {};
     connection->pipe.lock()->cut();
     return connection->peer->name;
+}
+
+void part_machines(int from, int to, Time until)
+{
+    world().part(from, to, until);
+    for (const auto& process : world().processes())
+        for (const auto& each : process->connections)
+            if (const auto pipe = each.pipe.lock(); pipe && process->machine == from && each.peer->machine == to)
+                pipe->hold(each.end, until);
 }
 
 std::string silence_one_connection(Process& process, const std::function<bool(const Process&)>& with, Time until)

@@ -12,4 +12,8 @@ std::string cut_one_connection(Process& process, const std::function<bool(const 
 /// processes is opened before.
 std::string silence_one_connection(Process& process, const std::function<bool(const Process&)>& with, Time until);
 
+/// Bytes sent from one machine to the other arrive only after that time, and no connection between the two is opened
+/// before.
+void part_machines(int from, int to, Time until);
+
 }  // namespace hive::simulation

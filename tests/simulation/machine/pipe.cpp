@@ -8,7 +8,13 @@
 #include <utility>
 
 namespace hive::simulation {
+
+using namespace std::chrono_literals;
+
 namespace {
+
+/// It travels in no time.
+constexpr std::size_t small = 16 * 1024;
 
 void finish(std::shared_ptr<Operation>& operation, std::error_code error, std::size_t bytes = 0)
 {
@@ -106,6 +112,8 @@ std::size_t Pipe::write_now(int end, std::span<const asio::const_buffer> from)
     }
     const auto size = bytes.size();
     way.unread += size;
+    if (size > small)  // about 100 MB/s
+        way.last = std::max(way.last, world().now()) + 10ns * size;
     if (size > 0)
         later(end, [this, end, bytes = std::move(bytes)] {
             world().note(bytes);

@@ -7,12 +7,43 @@
 
 namespace hive::service {
 
+using simulation::world;
+
 /// Its code always returns.
 void LastGrace::begin(const std::filesystem::path&, std::chrono::seconds) {}
 
 void write_log_line(LogLevel, const std::string&, const std::string&) {}
 
-std::optional<DroneSettings> read_command_line(int, const char* const*, const DroneProgram&, int&) { return {}; }
+/// What the manager writes for a drone.
+std::optional<DroneSettings> read_command_line(int count, const char* const* words, const DroneProgram& program, int&)
+{
+    DroneSettings settings;
+    settings.name = program.kind;
+    settings.signals = settings.ends_process = false;
+    settings.log = [process = world().current()](LogLevel, const std::string& text) {
+        if (process->log)
+            process->log(text);
+    };
+    for (int i = 1; i < count; ++i) {
+        const std::string_view option(words[i]);
+        if (option == "--describe") {
+            settings.describe = true;
+            continue;
+        }
+        const std::string value(words[++i]);
+        if (option == "--name")
+            settings.name = value;
+        else if (option == "--set")
+            settings.parameters[value.substr(0, value.find('='))] = value.substr(value.find('=') + 1);
+        else if (option == "--take-over")
+            settings.take_over = event::Clock::now() + std::chrono::seconds(std::stoi(value));
+        else if (option == "--on-exception")
+            settings.order.on_exception = value;
+        else
+            throw Error(Errc::invalid_argument, "unexpected argument " + std::string(option));
+    }
+    return settings;
+}
 void require_sound(const ListenWish&) {}
 
 }  // namespace hive::service

@@ -1,9 +1,12 @@
 // Runs the next step: a handler, a thread, or a due timer.
 #include "world.hpp"
 
+#include <hive/error.hpp>
+
 #include <asio/post.hpp>
 
 #include <algorithm>
+#include <csignal>
 #include <cstring>
 #include <exception>
 #include <functional>
@@ -79,8 +82,10 @@ Thread::Thread(Process& its_process, std::function<void()> main)
               if (!its_process.dead)
                   main();
           } catch (const Killed&) {
-          } catch (const std::exception& error) {
+          } catch (...) {
+              const auto error = current_error();
               its_process.failure = error.what();
+              its_process.status = info(error.code()).exit_code << 8;
           }
           its_process.dead = true;
       })
@@ -106,9 +111,8 @@ Process& World::spawn(std::string name, std::function<void()> main)
 void World::kill(std::int64_t pid)
 {
     at(now_, [this, pid] {
-        for (const auto& process : processes_)
-            if (process->pid == pid)
-                kill(*process);
+        if (auto* const found = process(pid))
+            kill(*found);
     });
 }
 
@@ -118,6 +122,7 @@ void World::kill(Process& process)
         return;
     note(static_cast<std::uint64_t>(process.pid) * 31);
     process.dead = true;
+    process.status = SIGKILL;
     process.frozen = false;
     close_connections_of(process);
     for (const auto& thread : process.threads)
@@ -143,10 +148,16 @@ bool World::may_write(Process& process)
     return false;
 }
 
-bool World::ends(std::int64_t pid) const
+Process* World::process(std::int64_t pid) const
 {
     const auto found = std::ranges::find(processes_, pid, [](const auto& process) { return process->pid; });
-    return found == processes_.end() || (*found)->dead;
+    return found == processes_.end() ? nullptr : found->get();
+}
+
+bool World::ends(std::int64_t pid) const
+{
+    const auto* const found = process(pid);
+    return !found || found->dead;
 }
 
 void World::wake(Thread& thread)

@@ -99,6 +99,7 @@ public:
     const std::string name;
     const std::int64_t pid;
     std::string failure;  ///< what its code threw
+    int status = 0;       ///< once it is dead, as of waitpid
     bool dead = false, frozen = false;
     std::optional<int> writes_left;  ///< to streams and files; with the next one it dies
     std::optional<Time> busy_since;  ///< a callback takes time; the network side has a thread after 1 ms of that
@@ -112,6 +113,7 @@ public:
     std::map<std::int64_t, Time> unheard;  ///< by the pid of a process that gets nothing from here until then
     int machine = 0;                       ///< two on different ones have different clocks
     using Said = std::function<std::string(const std::string&)>;
+    std::function<void(const std::string& line)> log = {};  ///< of the program that it runs
     std::function<Said()> said = {};  ///< per connection, a filter of the bytes sent from here; empty: all arrive
 };
 
@@ -154,6 +156,16 @@ public:
     /// Called before each write. @return false if it dies before this one: its further actions are invisible
     bool may_write(Process& process);
     [[nodiscard]] bool ends(std::int64_t pid) const;
+    /// Null: there was none.
+    [[nodiscard]] Process* process(std::int64_t pid) const;
+    [[nodiscard]] const std::vector<std::unique_ptr<Process>>& processes() const { return processes_; }
+    /// Until then nothing that one machine sends arrives at the other.
+    [[nodiscard]] Time parted_until(int from, int to) const
+    {
+        const auto found = parted_.find({from, to});
+        return found == parted_.end() ? Time() : found->second;
+    }
+    void part(int from, int to, Time until) { parted_[{from, to}] = until; }
     /// What is running; null outside of all processes.
     [[nodiscard]] Process* current() const { return current_; }
 
@@ -192,6 +204,7 @@ private:
     Time now_ = begin_;
     Duration time_of_day_{};
     std::map<int, MachineClock> clocks_;
+    std::map<std::pair<int, int>, Time> parted_;
     std::mt19937_64 random_;
     std::vector<Due> due_;
     std::uint64_t due_number_ = 0, handlers_ = 0, digest_ = 14'695'981'039'346'656'037U;
