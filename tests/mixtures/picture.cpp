@@ -1,6 +1,8 @@
 // Statuses as lines of text.
 #include "picture.hpp"
 
+#include <utility>
+
 namespace hive::mixtures {
 namespace {
 
@@ -59,6 +61,67 @@ std::string picture(const Statuses& statuses)
                 text += "  " + input.input + " <- " + input.from + ": " + to_text(input) + "\n";
     }
     return text;
+}
+
+namespace {
+
+class Bytes {
+public:
+    void add(const std::string& name) { (text_ += name) += '\n'; }
+    void add(std::int64_t number) { text_.append(reinterpret_cast<const char*>(&number), sizeof number); }
+    void add(Reason why) { text_ += static_cast<char>(why); }
+    void add(bool connected) { text_ += connected ? '1' : '0'; }
+    void add(const EdgeStatus& edge)
+    {
+        add(edge.receiver);
+        for (std::size_t i = 0; i < fates; ++i)
+            add(edge.events.of(static_cast<Fate>(i)));
+        for (const auto count : {edge.events.total(), edge.events.in_flight(), edge.waiting})
+            add(count);
+        add(edge.connected || edge.group);
+        add(edge.why);
+    }
+    void add(const InputStatus& input)
+    {
+        add(input.input);
+        add(input.from);
+        for (const auto count : {input.received, input.processed, input.abandoned, input.duplicates, input.discarded,
+                                 input.dropped, input.unmatched, input.queued, input.in_hand})
+            add(count);
+        add(input.connected);
+        add(input.why);
+    }
+    void add(const OutputStatus& output)
+    {
+        add(output.name);
+        add(output.produced);
+        add(output.unreceived);
+        add(output.why);
+        for (const auto& edge : output.edges)
+            add(edge);
+    }
+    std::string take() { return std::move(text_); }
+
+private:
+    std::string text_;
+};
+
+}  // namespace
+
+std::string fingerprint(const Statuses& statuses)
+{
+    Bytes bytes;
+    for (const auto& [name, status] : statuses) {
+        bytes.add(name);
+        bytes.add(status.epoch);
+        bytes.add(status.why);
+        for (const auto& output : status.outputs)
+            bytes.add(output);
+        for (const auto* inputs : {&status.inputs, &status.left})
+            for (const auto& input : *inputs)
+                bytes.add(input);
+    }
+    return bytes.take();
 }
 
 }  // namespace hive::mixtures

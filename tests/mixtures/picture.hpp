@@ -9,5 +9,7 @@ std::string to_text(const EdgeStatus& edge);
 std::string to_text(const InputStatus& input);
 /// A line for each drone and each end of an edge, without what changes by itself: times and states.
 std::string picture(const Statuses& statuses);
+/// Differs when the picture does; for comparing alone.
+std::string fingerprint(const Statuses& statuses);
 
 }  // namespace hive::mixtures

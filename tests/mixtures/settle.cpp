@@ -121,7 +121,7 @@ Problems Round::settle(bool last)
         if (!problems.empty() || !problems_.empty())
             return problems;
         const bool answered = statuses.size() == ground_.answering().size();
-        all.look(answered ? "those that answer:\n" + picture(statuses) : "");
+        all.look(answered ? "those that answer:\n" + fingerprint(statuses) : "");
         const bool done = answered && idle(statuses) && source_done(statuses) && (!last || whole(statuses, ""));
         // In order, a result that is late holds up others that are acknowledged.
         const bool over = done && (missing(statuses).empty() || (all.still() && !plan_.topology.ordered));
