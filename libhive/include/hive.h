@@ -398,7 +398,8 @@ HIVE_API hive_code hive_application_start(hive_application* application, const c
    replacement continues by itself. */
 HIVE_API hive_code hive_application_replace(hive_application* application, const char* drone, const char* options,
                                             char** place);
-/* The causes of a stall of ["face", "face.faces", ...]; []: of any drone. {"text": one line; "" if nothing blocks the
+/* The causes of a stall of ["face", "face.faces", ...]; []: of any drone; {"sender": "camera", "receiver": "face"}: of
+   the events between these two, and whether they are connected. {"text": one line; "" if nothing blocks the
    events, "causes": [{"what": "halted", "drone", "connection", "text", "evidence", "command", "blocks"}], blocking ones
    first, the nearest to the source on top, "flows": [{"drone", "received_per_s", "emitted_per_s", "age_us"}]}. Takes
    two samples, 300 ms apart. */

@@ -270,6 +270,12 @@ TEST_CASE("c: a drone is started and stopped, one that does not start says why, 
     REQUIRE(hive_application_explain(lab.application, R"(["worker.result"])", text.place(), nullptr) == HIVE_OK);
     CHECK_MESSAGE(text.json().at("text").get<std::string>().find("source has halted") != std::string::npos,
                   text.text());
+    const auto between = [&](const char* pair) {
+        return hive_application_explain(lab.application, pair, text.place(), nullptr);
+    };
+    REQUIRE(between(R"({"sender":"worker","receiver":"source"})") == HIVE_OK);
+    CHECK(text.json().at("causes").at(0).at("what") == "wrong_way");
+    CHECK(between(R"({"sender":"worker"})") == HIVE_INVALID_ARGUMENT);
     CHECK(hive_application_explain(lab.application, nullptr, text.place(), nullptr) == HIVE_INVALID_ARGUMENT);
     REQUIRE(hive_application_audit(lab.application, text.place(), nullptr) == HIVE_OK);
     CHECK(text.json().at("clean") == true);

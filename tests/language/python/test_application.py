@@ -170,6 +170,15 @@ class Applications(World):
         self.refused("not_found", self.swarm.advise, "nobody")
         self.refused("invalid_argument", self.swarm.advise, goal="colour")
 
+    def test_events_between_two_drones_are_explained(self):
+        self.drone("ticker", "source")
+        self.drone("sleeper", "worker")
+        what = lambda **pair: [cause["what"] for cause in self.swarm.explain(**pair)["causes"]]  # noqa: E731
+        self.assertIn("not_connected", what(sender="source", receiver="worker"))
+        self.swarm.connect("source", "worker")
+        self.assertIn("wrong_way", what(sender="worker", receiver="source"))
+        self.refused("invalid_argument", self.swarm.explain, sender="worker")
+
     def test_a_stopped_drone_is_gone_and_one_that_was_killed_is_remembered(self):
         self.drone("sleeper", "worker")
         self.swarm.set("worker", work_ms=9)

@@ -38,6 +38,13 @@ hive_code give_found(hive_application* application, char** json, size_t* length,
 hive_code hive_application_explain(hive_application* application, const char* outputs, char** json, size_t* length)
 {
     return give_found(application, json, length, [&](Application& open) {
+        if (outputs && *outputs == '{') {
+            const Options pair(outputs, {"sender", "receiver"});
+            const auto sender = pair.text("sender"), receiver = pair.text("receiver");
+            if (sender.empty() || receiver.empty())
+                throw Error(Errc::invalid_argument, "explain needs both, the sender and the receiver");
+            return explain(open, open.endpoint(sender), open.endpoint(receiver));
+        }
         std::vector<Endpoint> ends;
         for (const auto& text : names_of(required(outputs, "the outputs"), "the outputs"))
             ends.push_back(open.endpoint(text));

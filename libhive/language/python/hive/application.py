@@ -400,13 +400,16 @@ class Application(Finding):
         outputs = [name for drone in flat(*drones) for name in self._result_outputs(drone)]
         return Results(self.collect(outputs, ordered=ordered), ", ".join(outputs), count, timeout)
 
-    def explain(self, *outputs: Names) -> dict[str, Any]:
+    def explain(self, *outputs: Names, sender: str = "", receiver: str = "") -> dict[str, Any]:
         """The causes of a stall, as `hivectl explain --json` prints them: "text" is one line, "" if nothing blocks the
         events; "causes" has "what", "text", "evidence" and "command" of each cause; "flows" the events per second.
 
         :param outputs: drones or outputs; without any, all drones
+        :param sender: instead: the events from this drone or output to `receiver`, and whether the two are connected
         """
-        return ask_object(lib.hive_application_explain, self._handle, as_json(self._ends(flat(*outputs))))
+        pair = {"sender": sender, "receiver": receiver}
+        wanted = pair if sender or receiver else self._ends(flat(*outputs))
+        return ask_object(lib.hive_application_explain, self._handle, as_json(wanted))
 
     def advise(self, *drones: Names, goal: str = "fps", time: float = 2) -> dict[str, Any]:
         """Where events spend their time and what would help, as `hivectl advise --json` prints it: "lines" have
