@@ -152,14 +152,11 @@ private:
         add(std::move(step));
     }
 
-    /// Results of two kinds of members are two results, if a group behind another one has both (SPEC.md, section 8.3).
+    /// Behind a group, results of two kinds of drones are two results (SPEC.md, section 8.3).
     bool mixes_kinds(const std::string& drone) const
     {
         const auto workers = topology_.workers();
-        if (std::ranges::count(workers, drone) == 0)
-            return false;
-        const auto stage = topology_.stage_of(drone);
-        return stage > 0 && topology_.stages[stage].drones.size() > 1;
+        return std::ranges::count(workers, drone) > 0 && topology_.stage_of(drone) > 0;
     }
 
     /// One that has halted stays halted only if it is not killed.

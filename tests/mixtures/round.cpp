@@ -128,18 +128,19 @@ void Round::set_and_kill(const Step& step)
         problems_.push_back(*problem);
 }
 
-/// A process that is replaced is not killed: all drones have the new values, or none. A set that meets none of the two
-/// is refused.
+/// What is confirmed holds for the new process too. A set that meets none of the two is refused; one that was prepared
+/// by the old one, and not committed yet, may be lost there (known and open).
 void Round::set_and_replace(const Step& step)
 {
     const auto all = change(step.number, 20);
     Told told{};
     const auto set = [&] {
-        ground_.sleep(std::chrono::milliseconds(3 * step.number));
+        ground_.sleep(std::chrono::microseconds(250 * step.number));  // the new process is getting ready
         told = ground_.set(all);
     };
     ground_.at_once(set, [&] { ground_.perform(step); });
-    if (auto problem = values_.set(all, told == Told::applied ? told : Told::unknown))
+    const bool confirmed = told == Told::applied;
+    if (auto problem = values_.set(all, confirmed ? told : Told::unknown, confirmed ? "" : step.drone))
         problems_.push_back(*problem);
 }
 

@@ -40,7 +40,7 @@ bool Round::whole(const Statuses& statuses, const std::string& drone) const
 void Round::end_excuses(const Statuses& statuses)
 {
     const auto found = statuses.find(source);
-    if (found == statuses.end())
+    if (found == statuses.end() || !ground_.all_hear())
         return;
     for (const auto& drone : model_.excused())
         if (whole(statuses, drone))
