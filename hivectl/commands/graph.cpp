@@ -47,10 +47,12 @@ Verb verb()
             .group = "connections",
             .usage = "[--as text|dot|svg|json] [options]",
             .summary = "Shows the machines, drones and connections of the swarm",
-            .details = "Lists each drone under its machine (local: this one), with its kind, state and receivers. In "
-                       "dot and svg, machines are frames, applications are dashed, and lost connections are dotted. "
-                       "svg needs the package graphviz. json has drones (name, host, kind, state) and connections "
-                       "(from, to, group, connected); host is empty for an application.",
+            .details =
+                "Lists each drone under its machine (local: this one), with its kind, state and receivers. In "
+                "dot and svg, machines are frames, applications are dashed, and lost connections are dotted. "
+                "A drone that crashed stays, and a receiver that is gone too, if its sender waits for it or has lost "
+                "events for it. svg needs the package graphviz. json has drones (name, host, kind, state) and "
+                "connections (from, to, group, connected); host is empty for an application.",
             .examples = "hivectl graph\n"
                         "hivectl graph --as dot > swarm.dot",
             .timeout = "show a drone as silent if it has not answered by then (default 1)",

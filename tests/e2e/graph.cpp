@@ -18,6 +18,14 @@ std::string graph(const Swarm& swarm, const std::string& form)
     return done.out;
 }
 
+std::string state_of(const Json& graph, const std::string& drone)
+{
+    for (const auto& each : graph.at("drones"))
+        if (each.at("name") == drone)
+            return each.at("state");
+    return "";
+}
+
 /// @param to  the beginning is enough: the name of an application has its process in it
 bool has_connection(const Json& graph, const std::string& from, const std::string& to)
 {
@@ -77,4 +85,29 @@ TEST_CASE("graph: drones, connections, groups and applications, also while they 
         for (const char* word : {">source<", ">sleeper, halted<", ">tick (group workers)<", ">local<"})
             CHECK_MESSAGE(has(svg, word), word);
     }
+}
+
+TEST_CASE("graph: a drone that crashed or was killed stays until it is stopped, with its connection")
+{
+    const Swarm swarm;
+    const auto source = swarm.drone("ticker", "source");
+    auto boom = swarm.drone("crasher", "boom"), killed = swarm.drone("sleeper", "killed");
+    auto application = swarm.application();
+    const auto now = [&] { return Json::parse(graph(swarm, "json")); };
+    application.connect({"source", ""}, {"killed", ""});
+    application.connect({"source", ""}, {"boom", ""});
+    killed.signal(SIGKILL);
+    REQUIRE(killed.wait(patient(std::chrono::seconds(10))));
+    REQUIRE(boom.wait(patient(std::chrono::seconds(10))));
+    for (const auto* name : {"boom", "killed"}) {
+        CAPTURE(name);
+        CHECK(state_of(now(), name) == "crashed");
+        CHECK(eventually([&] { return has(graph(swarm, "text"), std::string(name) + ".i"); }));
+        CHECK(has(graph(swarm, "text"), "  " + std::string(name) + " (crashed)\n"));
+    }
+    const auto again = swarm.drone("sleeper", "killed");
+    CHECK(state_of(now(), "killed") != "crashed");
+    CHECK(eventually([&] { return has(graph(swarm, "text"), "    tick -> killed.image\n"); }));
+    swarm.hivectl_done({"stop", "boom"});
+    CHECK(state_of(now(), "boom") == "");
 }

@@ -10,20 +10,27 @@ namespace hive {
 
 struct GraphDrone {
     std::string name;
-    std::string host;   ///< as Place::host; empty: an application, or a drone unknown to this home
-    std::string kind;   ///< empty: no answer
-    std::string state;  ///< "idle", "halted"; "silent": no answer; empty: not a known drone
+    std::string host;  ///< as Place::host; empty: an application, or a drone unknown to this home
+    std::string kind;  ///< empty: no answer
+    /// "idle", "halted"; "silent": no answer; "crashed", "failed": as crashed() returns it; "gone": a receiver that a
+    /// sender awaits, or counts losses for; empty: an application
+    std::string state;
+    std::string note{};  ///< of a crash: what is known about its cause
 };
 
 struct SwarmGraph {
     std::vector<GraphDrone> drones;  ///< by host, then by name
-    /// Without the rows of groups as a whole, and without connections whose receiver is gone.
+    /// Without the rows of groups as a whole. Those whose receiver is gone are included if it crashed, or if its sender
+    /// awaits it or has lost events for it.
     std::vector<ConnectionEnds> connections;
 };
 
 /// Queries all drones.
 SwarmGraph graph(Application& application);
-SwarmGraph graph(const std::vector<StatusAnswer>& statuses);
+/// @param crashed  of these drones, those that have no status are added
+SwarmGraph graph(const std::vector<StatusAnswer>& statuses, std::vector<GraphDrone> crashed = {});
+/// The drones of this home that crashed and do not run; "failed": their swarm restarted them repeatedly.
+std::vector<GraphDrone> crashed(Application& application);
 /// In the DOT language of Graphviz: machines are clusters.
 std::string to_dot(const SwarmGraph& graph);
 /// For terminals: each drone with its connections, by machine.

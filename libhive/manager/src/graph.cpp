@@ -17,10 +17,21 @@ std::string owner_of(const std::string& end, const std::set<std::string>& drones
     return drones.contains(name) ? name : end;
 }
 
-bool is_there(const ConnectionEnds& ends)
+/// Events that were lost against a promise, as audit counts them.
+std::int64_t lost(const Ledger& events)
 {
-    const bool registered = ends.at_sender && (ends.at_sender->connected || ends.at_sender->why == Reason::place_kept);
-    return !ends.is_group() && (registered || ends.at_receiver);
+    return events.lost() - events.of(Fate::lost_left) + events.of(Fate::dropped) + events.of(Fate::abandoned);
+}
+
+/// @param crashed  the names of drones that do not run
+bool is_there(const ConnectionEnds& ends, const std::set<std::string>& crashed)
+{
+    if (ends.is_group() || ends.at_receiver)
+        return !ends.is_group();
+    const auto& edge = *ends.at_sender;
+    const bool receiver_runs = !ends.to_host.empty();
+    return edge.connected || edge.why == Reason::place_kept || crashed.contains(owner_of(ends.to, crashed))
+           || (lost(edge.events) > 0 && !receiver_runs);
 }
 
 bool is_connected(const ConnectionEnds& ends)
@@ -78,25 +89,52 @@ std::string node_text(const GraphDrone& drone)
 
 }  // namespace
 
-SwarmGraph graph(Application& application) { return graph(application.status(application.drones())); }
+std::vector<GraphDrone> crashed(Application& application)
+{
+    std::map<std::string, GraphDrone> drones;
+    const auto add = [&](const std::string& name, const std::string& state, const std::string& note) {
+        drones[name] = {.name = name, .host = Place::here, .kind = {}, .state = state, .note = note};
+    };
+    for (const auto& name : application.remembered())
+        add(name, "crashed", "");
+    for (const auto& crash : application.crashed())
+        add(crash.drone, "crashed", crash.signal + (crash.function.empty() ? "" : " in " + crash.function));
+    for (const auto& failed : application.failed())
+        add(failed.drone, "failed", failed.reason);
+    std::vector<GraphDrone> all;
+    for (auto& [name, drone] : drones)
+        all.push_back(std::move(drone));
+    return all;
+}
 
-SwarmGraph graph(const std::vector<StatusAnswer>& statuses)
+SwarmGraph graph(Application& application)
+{
+    auto gone = crashed(application);  // first: a drone that is restarted meanwhile has a status
+    return graph(application.status(application.drones()), std::move(gone));
+}
+
+SwarmGraph graph(const std::vector<StatusAnswer>& statuses, std::vector<GraphDrone> crashed)
 {
     SwarmGraph graph;
-    std::set<std::string> names;
-    for (const auto& answer : statuses) {
-        names.insert(answer.drone);
+    for (const auto& answer : statuses)
         graph.drones.push_back({.name = answer.drone,
                                 .host = answer.place.host,
                                 .kind = answer.error ? "" : answer.status.kind,
                                 .state = answer.error ? "silent" : std::string(token(answer.status.state))});
-    }
+    auto names = names_of(graph);
+    std::set<std::string> gone;
+    for (auto& drone : crashed)
+        if (names.insert(drone.name).second) {
+            gone.insert(drone.name);
+            graph.drones.push_back(std::move(drone));
+        }
     for (auto& ends : connection_ends(statuses)) {
-        if (!is_there(ends))
+        if (!is_there(ends, gone))
             continue;
         for (const auto& end : {ends.from, ends.to})
             if (const auto owner = owner_of(end, names); names.insert(owner).second)
-                graph.drones.push_back({.name = owner, .host = {}, .kind = {}, .state = {}});
+                graph.drones.push_back(
+                    {.name = owner, .host = {}, .kind = {}, .state = is_connected(ends) ? "" : "gone"});
         graph.connections.push_back(std::move(ends));
     }
     std::ranges::sort(graph.drones, {}, [](const GraphDrone& drone) { return std::tie(drone.host, drone.name); });
