@@ -1,9 +1,12 @@
 #include "orders.hpp"
 
+#include "jpeg.hpp"
 #include "run/interrupt.hpp"
+#include "run/kept_inputs.hpp"
 #include "words/places.hpp"
 
 #include <hive/explain.hpp>
+#include <hive/name.hpp>
 #include <hive/process.hpp>
 #include <hive/start.hpp>
 
@@ -80,17 +83,41 @@ Errands::Work order_for_drone(const std::string& what, const std::string& drone)
 }
 
 /// For a drone of this machine that was started in the background.
-void add_log(Json& answer, Application& application, const std::string& drone)
+/// @param place  nothing: it does not run
+void add_log(Json& answer, Application& application, const std::string& drone, const std::optional<hive::Place>& place)
 {
     constexpr std::size_t lines = 40;
-    const auto place = application.place(drone);
-    const auto file = application.home() / (place.drone + ".log");
-    if (is_elsewhere(place))
-        answer["log_problem"] = "It runs on " + place.host + ". Read its log with: hivectl logs " + drone;
+    const auto file = application.home() / (drone + ".log");
+    if (place && is_elsewhere(*place))
+        answer["log_problem"] = "It runs on " + place->host + ". Read its log with: hivectl logs " + drone;
     else if (auto text = hive::last_lines(file, lines); !text.empty())
         answer["log"] = std::move(text);
     else
         answer["log_problem"] = "It has written no log here.";
+}
+
+bool is_image(const hive::Event& event) { return event.type.starts_with("image/"); }
+
+/// Newest first.
+Json failures_of(Application& application, const std::string& drone)
+{
+    Json rows = Json::array();
+    for (const auto& failure : application.failures(drone)) {
+        auto row = Json::parse(failure_row(failure).json());
+        row["image"] = std::ranges::any_of(failure.inputs, is_image);
+        rows.insert(rows.begin(), std::move(row));
+    }
+    return rows;
+}
+
+/// Where the drone runs; nothing: nowhere, and it has left a log or failures.
+std::optional<hive::Place> place_of(Application& application, const std::string& drone)
+try {
+    return application.place(drone);
+} catch (const hive::Error& error) {
+    if (error.code() != hive::Errc::not_found || !std::filesystem::exists(application.home() / (drone + ".log")))
+        throw;
+    return std::nullopt;
 }
 
 }  // namespace
@@ -113,9 +140,33 @@ Errands::Work order_in(std::string_view body)
 Errands::Work ask_of(std::string drone)
 {
     return [drone = std::move(drone)](Application& application) {
-        Json answer{{"interface", to_json(application.describe(drone))}, {"values", application.get(drone)}};
-        add_log(answer, application, drone);
+        const auto name = hive::require_name(drone.substr(0, drone.find('@')), "drone");
+        const auto place = place_of(application, drone);
+        Json answer = Json::object();
+        if (place)
+            answer = {{"interface", to_json(application.describe(drone))}, {"values", application.get(drone)}};
+        answer["failures"] = failures_of(application, name);
+        add_log(answer, application, name, place);
         return answer;
+    };
+}
+
+Errands::Work image_of(std::string drone, std::int64_t number)
+{
+    constexpr int width = 640;
+    constexpr std::size_t max_size = 16 << 20;
+    return [drone = std::move(drone), number](Application& application) -> Json {
+        for (const auto& failure : application.failures(hive::require_name(drone, "drone"), true)) {
+            const auto input = std::ranges::find_if(failure.inputs, is_image);
+            if (failure.number != number || input == failure.inputs.end())
+                continue;
+            auto image = image_for_page(*input, width);
+            if (image.bytes.size() > max_size)
+                throw hive::Error(hive::Errc::too_large, "an image of more than 16 MiB is not shown");
+            return {{"type", image.type}, {"bytes", Json::binary(std::move(image.bytes))}};
+        }
+        throw hive::Error(hive::Errc::not_found,
+                          "failure " + std::to_string(number) + " of " + drone + " has no image here");
     };
 }
 

@@ -12,9 +12,12 @@ namespace hivectl::dash {
 /// change. Throws Errc::malformed and Errc::invalid_argument.
 Errands::Work order_in(std::string_view body);
 
-/// {"interface", "values", "log": text, "log_problem": text}: the interface, current values and end of the log of a
-/// drone.
+/// {"interface", "values", "failures", "log": text, "log_problem": text}: the interface and current values of a drone,
+/// its failures kept on this machine, and the end of its log. Of a drone that does not run, there are only the last
+/// three.
 Errands::Work ask_of(std::string drone);
+/// {"type", "bytes"}: the image in the inputs of a kept failure, as for a live image.
+Errands::Work image_of(std::string drone, std::int64_t number);
 /// What blocks events between two drones, as from explain.
 Errands::Work explain_of(std::string sender, std::string receiver);
 

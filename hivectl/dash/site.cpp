@@ -34,6 +34,15 @@ std::uint64_t number_in(const std::string& text)
 
 hive::http::Answer json(const hive::Json& value) { return {.type = "application/json", .body = json_text(value)}; }
 
+/// The result of image_of.
+hive::http::Answer image(const hive::Json& result)
+{
+    if (result.contains("error"))
+        return sentence(404, printable(result.at("error").at("text").get<std::string>()));
+    return {.type = result.at("type").get<std::string>(),
+            .bytes = std::make_shared<const std::vector<unsigned char>>(result.at("bytes").get_binary())};
+}
+
 hive::http::Answer nothing_here() { return sentence(404, "Not found."); }
 
 /// Rounds to few widths, so that browsers of different sizes share an image.
@@ -61,12 +70,12 @@ std::size_t Site::takes(const Request& request, const Visit& visit)
 }
 
 template <typename MakeWork>
-Site::Answer Site::errand(Errands& errands, Visit& visit, MakeWork make_work)
+Site::Answer Site::errand(Errands& errands, Visit& visit, MakeWork make_work, ToAnswer to_answer)
 {
     if (!visit.again && (visit.mark = errands.begin(make_work())) == 0)
         return sentence(503, "Too many drones do not answer.");
     if (const auto result = errands.take(visit.mark))
-        return json(*result);
+        return to_answer(*result);
     return visit.late ? Answer(sentence(503, "There is no answer yet.")) : std::nullopt;
 }
 
@@ -80,7 +89,8 @@ Site::Answer Site::answer(const Request& request, Visit& visit)
     if (request.path != "/orders")
         return nothing_here();
     try {
-        return errand(orders_, visit, [&] { return order_in(request.body); });
+        return errand(
+            orders_, visit, [&] { return order_in(request.body); }, json);
     } catch (const hive::Error& error) {
         return sentence(400, error.what());
     }
@@ -105,9 +115,14 @@ Site::Answer Site::answer_get(const Words& path, const Request& request, Visit& 
     if (path.size() == 2 && path[0] == "edge" && snapshot)
         return json(edge_details(*snapshot, path[1]));
     if (path.size() == 2 && path[0] == "ask")
-        return errand(questions_, visit, [&] { return ask_of(path[1]); });
+        return errand(
+            questions_, visit, [&] { return ask_of(path[1]); }, json);
+    if (path.size() == 3 && path[0] == "failure")
+        return errand(
+            questions_, visit, [&] { return image_of(path[1], static_cast<std::int64_t>(number_in(path[2]))); }, image);
     if (path.size() == 3 && path[0] == "why")
-        return errand(questions_, visit, [&] { return explain_of(path[1], path[2]); });
+        return errand(
+            questions_, visit, [&] { return explain_of(path[1], path[2]); }, json);
     return nothing_here();
 }
 

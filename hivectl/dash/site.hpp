@@ -38,8 +38,9 @@ private:
     [[nodiscard]] Answer drawing() const;
     Answer picture(const Words& path, Visit& visit);
     /// Requests to drones: started at the first call, and answered when done.
+    using ToAnswer = hive::http::Answer (*)(const hive::Json& result);
     template <typename MakeWork>
-    static Answer errand(Errands& errands, Visit& visit, MakeWork make_work);
+    static Answer errand(Errands& errands, Visit& visit, MakeWork make_work, ToAnswer to_answer);
 
     const Settings settings_;
     Watch watch_;

@@ -50,9 +50,16 @@ Json drone_row(const hive::StatusAnswer& answer, const Row& rates)
     return row;
 }
 
-Json application_row(const hive::GraphDrone& application)
+/// The row of an application, or of a drone that crashed.
+Json row_without_status(const hive::GraphDrone& drone)
 {
-    return {{"name", application.name}, {"host", ""}, {"kind", ""}, {"state", ""}, {"pictures", Json::array()}};
+    return {{"name", drone.name}, {"host", drone.host},        {"kind", ""},           {"state", drone.state},
+            {"note", drone.note}, {"pictures", Json::array()}, {"held", Json::array()}};
+}
+
+bool has_status(const Look& look, const std::string& drone)
+{
+    return std::ranges::find(look.answers, drone, &hive::StatusAnswer::drone) != look.answers.end();
 }
 
 Json edge_row(const hive::AuditRow& audited, const Row& rates, const Row& counts, const hive::SwarmGraph& graph)
@@ -146,8 +153,8 @@ Snapshot snapshot_of(const std::array<Look, 3>& looks, const hive::SwarmGraph& g
     for (std::size_t i = 0; i < rates.drones.size(); ++i)
         snapshot.drones.push_back(drone_row(looks[2].answers[i], rates.drones[i]));
     for (const auto& drone : graph.drones)
-        if (drone.host.empty())
-            snapshot.drones.push_back(application_row(drone));
+        if (!has_status(looks[2], drone.name))
+            snapshot.drones.push_back(row_without_status(drone));
     std::set<std::string> there;
     for (const auto& ends : graph.connections)
         there.insert(id_of(ends));
@@ -177,8 +184,8 @@ Json bar_of(const std::array<Look, 3>& looks)
 
 void remember(std::map<std::string, Past>& past, const Snapshot& now)
 {
-    std::erase_if(past, [&](const auto& row) {
-        return std::ranges::find(now.look.answers, row.first, &hive::StatusAnswer::drone) == now.look.answers.end();
+    std::erase_if(past, [&](const auto& each) {
+        return std::ranges::none_of(now.drones, [&](const Json& row) { return row.at("name") == each.first; });
     });
     for (std::size_t i = 0; i < now.look.answers.size(); ++i) {
         const auto& [drone, status, error, place] = now.look.answers[i];
@@ -201,10 +208,11 @@ void remember(std::map<std::string, Past>& past, const Snapshot& now)
 
 Json drone_details(const Snapshot& snapshot, const std::string& drone)
 {
-    const auto found = std::ranges::find(snapshot.look.answers, drone, &hive::StatusAnswer::drone);
-    if (found == snapshot.look.answers.end())
+    const auto row = std::ranges::find_if(snapshot.drones, [&](const Json& each) { return each.at("name") == drone; });
+    if (row == snapshot.drones.end() || row->at("host") == "")
         return nullptr;
-    const auto& status = found->status;
+    const auto found = std::ranges::find(snapshot.look.answers, drone, &hive::StatusAnswer::drone);
+    const auto status = found == snapshot.look.answers.end() ? hive::Status() : found->status;
     Json outputs = Json::array(), per_s = Json::array(), busy = Json::array(), exceptions = Json::array();
     for (const auto& output : status.outputs)
         outputs.push_back({{"name", output.name},
@@ -219,8 +227,7 @@ Json drone_details(const Snapshot& snapshot, const std::string& drone)
         for (const auto& exception : past->second.exceptions)
             exceptions.push_back(exception_json(exception));
     }
-    const auto row = snapshot.drones.at(static_cast<std::size_t>(found - snapshot.look.answers.begin()));
-    return {{"drone", row},
+    return {{"drone", *row},
             {"pid", status.pid},
             {"uptime_us", status.uptime_us},
             {"on_exception", hive::token(status.policy)},

@@ -48,7 +48,7 @@ struct Snapshot {
 /// Fills in all except version, past and text.
 /// @param looks  the last three, oldest first; three times the same while there is only one
 Snapshot snapshot_of(const std::array<Look, 3>& looks, const hive::SwarmGraph& graph);
-/// Adds the last statuses, and removes drones that are no longer there.
+/// Adds the last statuses, and removes drones that are no longer on the page.
 void remember(std::map<std::string, Past>& past, const Snapshot& now);
 
 /// The top bar: the verdict of audit in a sentence, and the machines.

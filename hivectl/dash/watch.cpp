@@ -83,6 +83,7 @@ void Watch::run(void (Watch::*turn)(hive::Application&), std::chrono::millisecon
 
 void Watch::look(hive::Application& application)
 {
+    auto crashed = hive::crashed(application);  // first: a drone that is restarted meanwhile has a status
     auto answers = application.status(application.drones());
     remove_pages(answers);
     const auto now = std::chrono::steady_clock::now();
@@ -90,7 +91,7 @@ void Watch::look(hive::Application& application)
     if (looks_.size() > 3)
         looks_.pop_front();
     const std::array<Look, 3> three{looks_.front(), looks_[looks_.size() / 2], looks_.back()};
-    const auto graph = hive::graph(three[2].answers);
+    const auto graph = hive::graph(three[2].answers, std::move(crashed));
     auto snapshot = std::make_shared<Snapshot>(snapshot_of(three, graph));
     remember(past_, *snapshot);
     snapshot->past = past_;

@@ -58,8 +58,8 @@ TEST_CASE("dash: who has not the token sees nothing, and other sites change noth
     Page page(swarm);
     const std::string order = R"({"do": "halt", "drone": "camera"})";
     const auto halted = [&] { return swarm.application().status("camera").state == hive::State::halted; };
-    for (const auto* path :
-         {"/", "/events", "/dash.js", "/graph.svg", "/drone/camera", "/ask/camera", "/picture/camera.tick/320/0"}) {
+    for (const auto* path : {"/", "/events", "/dash.js", "/graph.svg", "/drone/camera", "/ask/camera",
+                             "/picture/camera.tick/320/0", "/failure/camera/1"}) {
         CHECK_MESSAGE(page.curl(path, {}).ends_with("403"), path);
         CHECK_MESSAGE(page.curl(path, {"-b", page.cookie(), "-H", "Host: evil.example"}).ends_with("403"), path);
         CHECK_MESSAGE(page.curl(path, {"-b", page.cookie(), "-H", "Sec-Fetch-Site: cross-site"}).ends_with("403"),
@@ -226,6 +226,32 @@ TEST_CASE("dash: an image is a JPEG of the width that is asked for, and an outpu
     CHECK(eventually([&] { return has(page.get("/picture/ticker.nothing/300/0"), "nothing"); }));
 }
 
+TEST_CASE("dash: the image at which a drone failed is a JPEG that is shrunk to its box, also once it died")
+{
+    const Swarm swarm;
+    const auto camera = swarm.drone("camera", "camera", {"width=1920", "height=1080"});
+    const auto ticker = swarm.drone("ticker", "ticker");
+    auto boom = swarm.drone("sleeper", "boom", {"throw_at=1"}), other = swarm.drone("sleeper", "other", {"throw_at=1"});
+    auto application = swarm.application();
+    application.connect({"camera", ""}, {"boom", ""});
+    application.connect({"ticker", ""}, {"other", ""});
+    REQUIRE(eventually([&] { return application.failing().size() == 2; }));
+    boom.signal(SIGKILL);
+    CHECK(boom.wait(patient(10s)));
+    const Page page(swarm);
+    const auto file = (swarm.home() / "image.jpg").string();
+    CHECK(page.curl("/failure/boom/1", {"-b", page.cookie(), "-o", file}) == "200");
+    const auto kind = swarm.run({"/usr/bin/file", file}).out;
+    CHECK_MESSAGE(has(kind, "JPEG"), kind);
+    CHECK_MESSAGE(has(kind, "640x360"), kind);
+    for (const auto* path : {"/failure/other/1", "/failure/boom/99", "/failure/boom/x", "/failure/..%2Fboom/1"})
+        CHECK_MESSAGE(page.get(path).ends_with("404"), path);
+    const auto asked = json_of(page.get("/ask/boom"));
+    CHECK(asked.at("failures").at(0).at("image") == true);
+    CHECK_FALSE(asked.contains("interface"));
+    CHECK(json_of(page.get("/ask/other")).at("failures").at(0).at("image") == false);
+}
+
 TEST_CASE("dash in a browser: a parameter is set at once, with the drone's answer") { in_browser("parameters"); }
 
 TEST_CASE("dash in a browser: halt, resume, replace, and stop when asked once more") { in_browser("buttons"); }
@@ -236,6 +262,8 @@ TEST_CASE("dash in a browser: a connection has its account, and takes another wi
 }
 
 TEST_CASE("dash in a browser: exceptions, log and losses are shown") { in_browser("exceptions"); }
+
+TEST_CASE("dash in a browser: a drone that died stays until it runs again or is stopped") { in_browser("crashes"); }
 
 TEST_CASE("dash in a browser: the page survives drones and hivectl dash that are killed") { in_browser("restarts"); }
 

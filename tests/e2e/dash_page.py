@@ -158,6 +158,9 @@ def edges(browser, dash):
     eventually(lambda: row()["transfer"] == "stream")
     hivectl("halt", "worker")
     page.see("#panel p.bad, #panel p.warn", "worker has halted")
+    hivectl("start", "sleeper", "--as", "member")
+    hivectl("connect", "camera", "member", "--group", "workers")
+    page.see("g.edge text", "workers")
 
 
 def exceptions(browser, dash):
@@ -168,10 +171,43 @@ def exceptions(browser, dash):
     page = browser.open(dash.url)
     select(page, "thrower")
     page.see(".exceptions li", "failed: ")
+    page.see(".exceptions code", "hivectl rerun thrower 1")
+    page.until("document.querySelector('.exceptions img[alt]')?.naturalWidth === 640")
+    assert page.run("document.querySelectorAll('.exceptions li').length") == 1, "a kept exception is listed once"
     page.see("#panel pre", "error thrower")
     page.see("#verdict.bad", "lost")
     page.until("!!document.querySelector('g.edge.bad')")
     page.see("g.edge.bad text", "1 lost")
+
+
+def crashes(browser, dash):
+    """A drone that died stays, red as its connection, with log and failure, until it runs again."""
+    hivectl("start", "camera")
+    hivectl("start", "crasher", "--as", "boom")
+    hivectl("connect", "camera", "boom")
+    page = browser.open(dash.url)
+    page.until("document.getElementById('drone:boom')?.classList.contains('bad')")
+    page.see("#graph", "crashed")
+    page.see("g.edge.bad text", " lost")
+    page.click("g.drone", "boom")
+    page.see("#panel .facts", "SIGSEGV in crasher::write_to_null")
+    page.see("#panel pre", "crashed: SIGSEGV")
+    page.see(".exceptions li", "died: SIGSEGV")
+    page.see(".exceptions code", "hivectl rerun boom 1")
+    page.until("document.querySelector('.exceptions img')?.naturalWidth === 640")
+    page.click("#panel li button", "camera.image → boom.in")
+    page.see("#panel .counts caption", " lost")
+    page.key("Escape")
+    hivectl("start", "crasher", "--as", "boom", "how=none")
+    page.until("!document.getElementById('drone:boom').classList.contains('bad')")
+    page.see("#graph", "crasher, ")
+    os.kill(json.loads(hivectl("ps", "boom", "--json"))[0]["pid"], signal.SIGKILL)
+    page.until("document.getElementById('drone:boom').classList.contains('bad')")
+    page.click("g.drone", "boom")
+    page.see("#panel .facts", "crashed")
+    page.click("#panel button", "Stop")
+    page.click("#panel button.bad", "Stop")
+    eventually(lambda: "boom" not in [each["name"] for each in json.loads(hivectl("graph", "--json"))["drones"]])
 
 
 def restarts(browser, dash):

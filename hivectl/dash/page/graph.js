@@ -99,7 +99,7 @@ export class Graph {
       if (!parts) continue;
       const calm = !mood(drone.state);
       const rate = Math.max(drone.in_per_s ?? 0, drone.out_per_s ?? 0);
-      const detail = !drone.kind && drone.state !== "silent" ? "application"
+      const detail = !drone.kind && !drone.state ? "application"
         : drone.kind + (drone.kind ? ", " : "") + (calm && known(drone.in_per_s) ? per_second(rate) : drone.state);
       write(parts.detail, detail);
       parts.node.classList.toggle("warn", mood(drone.state) === "warn" || (calm && !!drone.note));
@@ -117,7 +117,7 @@ export class Graph {
     const parts = this.edges.get(edge.id);
     if (!parts) return;
     const lost = edge.lost > 0 ? `, ${edge.lost} lost` : "";
-    const text = per_second(edge.per_s) + lost;
+    const text = per_second(edge.per_s) + (edge.group ? ` ${edge.group}` : "") + lost;
     if (parts.label) write(parts.label, text);
     parts.node.classList.toggle("bad", edge.verdict !== "ok" || edge.losing);
     parts.node.classList.toggle("idle", edge.state !== "connected");

@@ -1,7 +1,8 @@
 // The panels of one drone and of one connection.
 "use strict";
-import { LiveImage, ask, careful_button, clock, duration, element, error_text, known, line_of, order, path, per_second,
-         percent, write } from "./parts.js";
+import { exception_rows } from "./exceptions.js";
+import { LiveImage, ask, careful_button, duration, element, error_text, known, line_of, order, path, per_second, percent, runs,
+         write } from "./parts.js";
 
 const every_ms = 2000;
 
@@ -143,21 +144,29 @@ export class DronePanel extends Panel {
     }
     this.show_details(details);
     this.show_edges();
+    this.show_exceptions(details, asked.failures ?? []);
     if (asked.error) return write(this.log, error_text(asked.error));
     this.show_parameters(asked);
     this.show_log(asked.log ?? asked.log_problem);
   }
 
-  show_details({ drone, pid, uptime_us, on_exception, per_s, busy_percent, exceptions }) {
-    const parts = [drone.kind, drone.state, drone.host, `process ${pid}`, `up ${duration(uptime_us)}`];
+  show_details({ drone, pid, uptime_us, per_s, busy_percent }) {
+    const parts = [drone.kind, drone.state, drone.host, ...runs(drone) ? [`process ${pid}`, `up ${duration(uptime_us)}`] : []];
     write(this.facts, parts.filter(Boolean).join(" · ") + (drone.note ? `. ${drone.note}` : ""));
-    this.show_images(drone);
+    if (runs(drone)) this.show_images(drone);
+    else this.hide_images();
     const line = (name, values, top, text) => element("div", { className: "line" },
       element("span", { textContent: name }), line_of(values, top), element("b", { textContent: text }));
     this.lines.replaceChildren(line("events", per_s, 1, per_second(per_s.at(-1))),
       line("busy", busy_percent, 100, percent(busy_percent.at(-1))));
-    const rows = exceptions.map(each => element("li", {}, element("time", { textContent: clock(each.time_us) }),
-      ` ${each.code}: ${each.text}`, each.source ? ` [${each.source} ${each.seq}]` : ""));
+  }
+
+  /// Written only if they change: an image that is in place is not fetched again.
+  show_exceptions({ exceptions, on_exception }, failures) {
+    const key = JSON.stringify([exceptions, failures]);
+    if (key === this.exceptions_shown) return;
+    this.exceptions_shown = key;
+    const rows = exception_rows(this.name, exceptions, failures);
     this.exceptions.replaceChildren(...rows.length ? rows : [`none; on an exception: ${on_exception}`]);
   }
 
@@ -194,7 +203,9 @@ export class DronePanel extends Panel {
     this.edges.replaceChildren(...rows.length ? rows : ["none"]);
   }
 
-  show_parameters({ interface: { parameters }, values }) {
+  /// A drone that crashed has none, and can only be stopped.
+  show_parameters({ interface: offered, values }) {
+    const parameters = offered?.parameters ?? [];
     const key = JSON.stringify(parameters);
     if (key !== this.parameters_shown) {
       this.parameters_shown = key;
@@ -205,7 +216,7 @@ export class DronePanel extends Panel {
       control.show(values[control.info.name]);
       control.enable(this.page.may_change(this.name));
     }
-    for (const button of this.buttons.querySelectorAll("button")) button.disabled = !this.page.may_change(this.name);
+    for (const button of this.buttons.querySelectorAll("button")) button.disabled = !this.page.may_change(this.name) || (!offered && !["Stop", "Cancel"].includes(button.textContent));
   }
 
   show_log(text) {
@@ -237,7 +248,7 @@ export class EdgePanel extends Panel {
     if (details?.error) return this.say(details);
     if (!details) return write(this.facts, "there is no such connection now");
     this.show(details);
-    const receiver_runs = this.page.swarm().drones.some(drone => drone.name === edge.receiver && drone.host);
+    const receiver_runs = runs(this.page.swarm().drones.find(drone => drone.name === edge.receiver));
     if (receiver_runs) this.explain(await ask(path("why", edge.from, edge.to)));
     if (receiver_runs && !this.form.children.length) this.make_form(details.counts, await ask(path("ask", edge.sender)));
   }

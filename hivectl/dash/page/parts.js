@@ -30,9 +30,12 @@ export const clock = us => new Date(us / 1000).toLocaleTimeString();
 
 /// "good", "warn", "bad" or "": of the state of a drone.
 export function mood(state) {
-  if (state === "silent") return "bad";
+  if (["silent", "crashed", "failed"].includes(state)) return "bad";
   return ["halted", "starting", "stopping"].includes(state) ? "warn" : "";
 }
+
+/// Is it a drone that may answer?
+export const runs = drone => !!drone?.host && !["crashed", "failed"].includes(drone.state);
 
 export function path(...words) { return "/" + words.map(encodeURIComponent).join("/"); }
 

@@ -135,6 +135,7 @@ TEST_CASE("dash: exceptions and rates of a drone are kept, newest exceptions fir
     CHECK(details.at("exceptions")[1].at("time_us") == 149);
     CHECK(drone_details(now, "nobody").is_null());
     now.look.answers.pop_back();
+    now.drones.erase(1);
     remember(past, now);
     CHECK(past.size() == 1);
 }

@@ -1,0 +1,20 @@
+// The list of a drone's exceptions and kept failures.
+"use strict";
+import { clock, element, path } from "./parts.js";
+
+const is_same = (one, other) => ["source", "seq", "code", "text"].every(key => one[key] === other[key]);
+
+/// Newest first.
+/// @param exceptions  sampled, without inputs
+/// @param failures    with inputs that are kept on this machine
+export function exception_rows(drone, exceptions, failures) {
+  const others = exceptions.filter(each => !failures.some(failure => is_same(each, failure)));
+  return [...failures, ...others].sort((a, b) => b.time_us - a.time_us).map(each => element("li", {},
+    element("time", { textContent: clock(each.time_us) }),
+    ` ${each.code}: ${each.text}`, each.source ? ` [${each.source} ${each.seq}]` : "", ...each.number ? kept(drone, each) : []));
+}
+
+function kept(drone, { number, image }) {
+  const command = element("p", {}, "try ", element("code", { textContent: `hivectl rerun ${drone} ${number}` }));
+  return image ? [element("img", { src: path("failure", drone, number), alt: `Input of failure ${number} of ${drone}` }), command] : [command];
+}
