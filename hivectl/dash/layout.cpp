@@ -95,9 +95,11 @@ std::string dot_of(const hive::SwarmGraph& graph)
                                    + " {\n    class=\"machine\"; label=" + quoted(host) + ";\n" + nodes + "  }\n";
     for (const auto& ends : graph.connections) {
         const auto from = owner_of(ends.from, graph), to = owner_of(ends.to, graph);
+        const auto& group = ends.options().group;
+        const auto label = quoted(" 000.0/s " + (group.empty() ? "" : group + " "));
         const auto &first = places.at(from), &second = places.at(to);
         text += "  " + quoted(from) + " -> " + quoted(to) + " [id=" + quoted("edge:" + id_of(ends)) + ", class=\"edge\""
-                + (graph.connections.size() > many ? "" : ", label=\" 000.0/s \"")
+                + (graph.connections.size() > many ? "" : ", label=" + label)
                 + ", minlen=" + std::to_string(first.columns - first.column + second.column) + "];\n";
     }
     for (const auto& [name, place] : places)
