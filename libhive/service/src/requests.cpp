@@ -172,8 +172,6 @@ void Requests::on_stop(const Incoming& incoming)
     }
     if (const auto& name = parts_.module.self().name; !parts_.home.succession(name))
         throw Error(Errc::refused, "no process waits to take over " + name);
-    else if (parts_.board.values().prepared)
-        throw Error(Errc::locked, name + " has prepared a set that is not decided yet");
     incoming.answer(Json{{"halted", parts_.board.halted()}});
     parts_.hand_over();
 }

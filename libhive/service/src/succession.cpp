@@ -15,12 +15,12 @@ constexpr auto patience_for_name = LastGrace::length_to_hand_over + 5s;
 /// A drone that has ended, or ends before it answers, frees the name too.
 bool is_refusal(const Error& error)
 {
-    return error.code() == Errc::refused || error.code() == Errc::not_permitted || error.code() == Errc::locked
+    return error.code() == Errc::refused || error.code() == Errc::not_permitted
            || error.code() == Errc::invalid_argument;
 }
 
-/// Once.
-event::Outcome ask(event::Module& module, const event::Home& home)
+/// @return its answer; an empty object if there is none
+Json ask_to_hand_over(event::Module& module, const event::Home& home)
 {
     const auto outcome = std::make_shared<std::optional<event::Outcome>>();
     const auto deadline = Clock::now() + patience_to_ask;
@@ -29,26 +29,12 @@ event::Outcome ask(event::Module& module, const event::Home& home)
                        [outcome](const event::Outcome& told) { *outcome = told; });
     });
     module.loop().wait(deadline + 1s, [&] { return outcome->has_value(); });
-    return outcome->value_or(Json::object());
-}
-
-/// A drone that has prepared a set hands over when that is decided.
-/// @return its answer; an empty object if there is none
-Json ask_to_hand_over(event::Module& module, const event::Home& home, Clock::time_point ready_by)
-{
-    for (;;) {
-        auto outcome = ask(module, home);
-        const auto* error = std::get_if<Error>(&outcome);
-        if (!error)
-            return std::get<Json>(std::move(outcome));
-        if (error->code() == Errc::locked && Clock::now() < ready_by) {
-            module.loop().wait(Clock::now() + 20ms, [] { return false; });
-            continue;
-        }
-        if (is_refusal(*error))
-            throw *error;
+    if (!*outcome)
         return Json::object();
-    }
+    const auto* error = std::get_if<Error>(&**outcome);
+    if (error && is_refusal(*error))
+        throw *error;
+    return error ? Json::object() : std::get<Json>(**outcome);
 }
 
 /// A file lock does not signal its release, so it is polled every millisecond.
@@ -77,7 +63,7 @@ bool take_over(event::Module& module, const event::Home& home, std::optional<eve
     const event::NameClaim succession(home, name, event::NameClaim::To::succession);
     if (Clock::now() > ready_by)
         throw Error(Errc::timeout, "it was not ready in time to take over " + name);
-    const auto answer = home.alive(name) ? ask_to_hand_over(module, home, ready_by) : Json::object();
+    const auto answer = home.alive(name) ? ask_to_hand_over(module, home) : Json::object();
     await_name(module, home, claim);
     return Fields(answer, "the answer to stop").flag_or("halted", false);
 }
