@@ -21,9 +21,8 @@ struct Ports {
 };
 
 /// Runs until the drone stops.
-/// @param finder  declare(drone) declares its parameters; apply() loads what they select, or throws the reason and
-/// keeps
-///                what it has; find(image), header(found, image) and draw(canvas, found) are called for each image
+/// @param finder  declare(drone) declares its parameters; apply() loads what they select, and if it throws the old
+///                values stay; find(image), header(found, image) and draw(canvas, found) are called for each image
 template <class Finder>
 void run(hive::Drone& drone, Finder&& finder, const Ports& ports)
 {

@@ -107,12 +107,10 @@ int report(const hive::Json& header, const Options& options, bool json)
 {
     const auto frames = header.value("frames", std::int64_t{0});
     const auto problem = header.value("problem", std::string());
+    if (frames == 0)
+        return fail("save", hive::Errc::failed, problem.empty() ? "no image arrived; nothing was written" : problem);
     if (!problem.empty())
         complain("save", printable(problem));
-    if (frames == 0) {
-        return problem.empty() ? fail("save", hive::Errc::failed, "no image arrived; nothing was written")
-                               : exit_code::failure;
-    }
     std::error_code ignored;
     const auto size = std::filesystem::is_regular_file(options.file, ignored)
                           ? static_cast<std::int64_t>(std::filesystem::file_size(options.file, ignored))

@@ -110,12 +110,16 @@ Json failures_of(Application& application, const std::string& drone)
     return rows;
 }
 
-/// Where the drone runs; nothing: nowhere, and it has left a log or failures.
+/// "face" of "face@cam1".
+std::string name_in(const std::string& drone) { return hive::require_name(drone.substr(0, drone.find('@')), "drone"); }
+
+/// Where the drone runs; nothing: nowhere, and it has left a log.
 std::optional<hive::Place> place_of(Application& application, const std::string& drone)
 try {
     return application.place(drone);
 } catch (const hive::Error& error) {
-    if (error.code() != hive::Errc::not_found || !std::filesystem::exists(application.home() / (drone + ".log")))
+    if (error.code() != hive::Errc::not_found
+        || !std::filesystem::exists(application.home() / (name_in(drone) + ".log")))
         throw;
     return std::nullopt;
 }
@@ -140,7 +144,7 @@ Errands::Work order_in(std::string_view body)
 Errands::Work ask_of(std::string drone)
 {
     return [drone = std::move(drone)](Application& application) {
-        const auto name = hive::require_name(drone.substr(0, drone.find('@')), "drone");
+        const auto name = name_in(drone);
         const auto place = place_of(application, drone);
         Json answer = Json::object();
         if (place)
@@ -156,7 +160,7 @@ Errands::Work image_of(std::string drone, std::int64_t number)
     constexpr int width = 640;
     constexpr std::size_t max_size = 16 << 20;
     return [drone = std::move(drone), number](Application& application) -> Json {
-        for (const auto& failure : application.failures(hive::require_name(drone, "drone"), true)) {
+        for (const auto& failure : application.failures(name_in(drone), true)) {
             const auto input = std::ranges::find_if(failure.inputs, is_image);
             if (failure.number != number || input == failure.inputs.end())
                 continue;

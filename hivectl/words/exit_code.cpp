@@ -104,7 +104,7 @@ void complain_about(std::string_view verb, const hive::Error& error, std::string
 int fail(std::string_view verb, hive::Errc code, const std::string& sentence, std::string_view subject)
 {
     if (as_json)
-        complain_about(verb, hive::Error(code, sentence), subject);
+        write_error(json_text(hive::failure_json({code, sentence}, std::string(subject))) + "\n");
     else
         complain(verb, printable(sentence));
     return exit_code_of(code);

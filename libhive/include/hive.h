@@ -417,9 +417,10 @@ HIVE_API hive_code hive_application_advise(hive_application* application, const 
    "promised"}], "differences": [text], "verdict": "ok", "lost" or "differs"}], "silent": [drones that did not answer]}.
    A count is null if its end did not answer. Queries all drones three times. */
 HIVE_API hive_code hive_application_audit(hive_application* application, char** json, size_t* length);
-/* The drones and connections of the swarm: {"drones": [{"name", "host", "kind", "state"}], "connections": [{"from",
-   "to", "group", "connected"}]}. "host" is "local" for this machine, and "" for an application; "state" is "silent"
-   without an answer. */
+/* The drones and connections of the swarm: {"drones": [{"name", "host", "kind", "state", "note"}], "connections":
+   [{"from", "to", "group", "connected"}]}. "host" is "local" for this machine, and "" for an application or a drone
+   that is unknown here; "state" is "silent" without an answer, "crashed" or "failed" (then "note" says why), and "gone"
+   for a receiver that its sender awaits or counts losses for. */
 HIVE_API hive_code hive_application_graph(hive_application* application, char** json, size_t* length);
 /* The failures of a drone that are kept on this machine, by number: [{"drone", "number", "time_us", "code", "text",
    "inputs": [{"input", "sender", "type", "size", "source", "epoch", "seq", "header"}]}]. "code" is that of an error, or

@@ -11,10 +11,14 @@ require_settings "$@"
 require_own face axis
 if [ "$url" != emulated ]; then
     set -- url="$url" "$@"
-elif ! runs axis; then
-    coproc camera { exec "$swarm_root/tests/support/axis_camera.py"; }
+elif runs axis; then
+    echo "axis runs already, with the URL $(hivectl get axis url)"
+else
+    log=$(mktemp)
+    coproc camera { exec "$swarm_root/tests/support/axis_camera.py" 2> "$log"; }
     pid=$!
     read -r _ _ url <&"${camera[0]}" && read -r _ _ control <&"${camera[0]}" || {
+        cat "$log" >&2
         echo "the emulated camera needs Python with numpy and OpenCV; install them: scripts/install-deps users" >&2
         exit 1
     }

@@ -155,8 +155,8 @@ TEST_CASE("explain: code that throws at each event, a drone that is starting, an
 TEST_CASE("explain: code that throws now and then is not said to throw at each event")
 {
     const Swarm swarm;
-    const auto source = swarm.drone("ticker", "source", {"fps=50"}),
-               worker = swarm.drone("sleeper", "worker", {"work_ms=350", "throw_every=3"});
+    const auto source = swarm.drone("ticker", "source", {"fps=2.5"}),  // it processes each event
+        worker = swarm.drone("sleeper", "worker", {"work_ms=350", "throw_every=4"});
     swarm.hivectl_done({"connect", "source", "worker"});
     auto application = swarm.application();
     REQUIRE(eventually([&] { return processed(application, "worker") > 3; }));

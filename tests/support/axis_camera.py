@@ -95,6 +95,8 @@ class Behaviour(dict):
         choices = ("off", "on") if isinstance(kind, bool) else kind if isinstance(kind, tuple) else ()
         if choices and text not in choices:
             raise ValueError(f"{name} is one of {' '.join(choices)}")
+        if name == "fps" and text in ("0", "-1"):
+            raise ValueError("fps is at least 1")
         try:
             self[name] = text == "on" if isinstance(kind, bool) else int(text) if isinstance(kind, int) else text
         except ValueError:
@@ -156,7 +158,7 @@ class Login:
             return "welcome"
         if scheme.lower() not in behaviour["auth"].split("_"):
             return "unknown"
-        if scheme == "Basic":
+        if scheme.lower() == "basic":
             return "welcome" if text == base64.b64encode(":".join(self.owner).encode()).decode() else "wrong"
         fields = urllib.request.parse_keqv_list(urllib.request.parse_http_list(text))
         expected = {"username": self.owner[0], "realm": self.realm, "uri": uri,

@@ -14,7 +14,9 @@ export function exception_rows(drone, exceptions, failures) {
     ` ${each.code}: ${each.text}`, each.source ? ` [${each.source} ${each.seq}]` : "", ...each.number ? kept(drone, each) : []));
 }
 
+/// The failures of drones of one name on two machines are kept together.
 function kept(drone, { number, image }) {
+  drone = drone.split("@")[0];
   const command = element("p", {}, "try ", element("code", { textContent: `hivectl rerun ${drone} ${number}` }));
   return image ? [element("img", { src: path("failure", drone, number), alt: `Input of failure ${number} of ${drone}` }), command] : [command];
 }

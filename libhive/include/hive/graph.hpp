@@ -11,11 +11,11 @@ namespace hive {
 struct GraphDrone {
     std::string name;
     std::string host;  ///< as Place::host; empty: an application, or a drone unknown to this home
-    std::string kind;  ///< empty: no answer
-    /// "idle", "halted"; "silent": no answer; "crashed", "failed": as crashed() returns it; "gone": a receiver that a
-    /// sender awaits, or counts losses for; empty: an application
+    std::string kind;  ///< empty: no answer, or it does not run
+    /// "idle", "halted"; "silent": no answer; "crashed", "failed": as crashed() returns it; "gone": no drone knows
+    /// it as connected, but a sender awaits it, or counts losses for it; empty: an application
     std::string state;
-    std::string note{};  ///< of a crash: what is known about its cause
+    std::string note{};  ///< of a drone that crashed or failed: why
 };
 
 struct SwarmGraph {

@@ -70,7 +70,7 @@ std::string group_text(const ConnectionEnds& ends)
     return ends.options().group.empty() ? "" : " (group " + ends.options().group + ")";
 }
 
-/// Red: the drone does not answer. Yellow: halted or stopping.
+/// Red: the drone has crashed, or does not answer. Yellow: halted or stopping.
 std::string_view style_of(const GraphDrone& drone)
 {
     return drone.host.empty()                                     ? "style=dashed"
@@ -131,10 +131,14 @@ SwarmGraph graph(const std::vector<StatusAnswer>& statuses, std::vector<GraphDro
     for (auto& ends : connection_ends(statuses)) {
         if (!is_there(ends, gone))
             continue;
-        for (const auto& end : {ends.from, ends.to})
-            if (const auto owner = owner_of(end, names); names.insert(owner).second)
-                graph.drones.push_back(
-                    {.name = owner, .host = {}, .kind = {}, .state = is_connected(ends) ? "" : "gone"});
+        for (const auto& end : {ends.from, ends.to}) {
+            const auto owner = owner_of(end, names);
+            if (names.insert(owner).second)
+                graph.drones.push_back({.name = owner, .host = {}, .kind = {}, .state = "gone"});
+            auto& drone = *std::ranges::find(graph.drones, owner, &GraphDrone::name);
+            if (drone.state == "gone" && is_connected(ends))
+                drone.state.clear();
+        }
         graph.connections.push_back(std::move(ends));
     }
     std::ranges::sort(graph.drones, {}, [](const GraphDrone& drone) { return std::tie(drone.host, drone.name); });
@@ -185,7 +189,11 @@ Json to_json(const SwarmGraph& graph)
 {
     Json drones = Json::array(), connections = Json::array();
     for (const auto& drone : graph.drones)
-        drones.push_back({{"name", drone.name}, {"host", drone.host}, {"kind", drone.kind}, {"state", drone.state}});
+        drones.push_back({{"name", drone.name},
+                          {"host", drone.host},
+                          {"kind", drone.kind},
+                          {"state", drone.state},
+                          {"note", drone.note}});
     for (const auto& ends : graph.connections)
         connections.push_back(
             {{"from", ends.from}, {"to", ends.to}, {"group", ends.options().group}, {"connected", is_connected(ends)}});

@@ -111,6 +111,9 @@ TEST_CASE("explain: a stream that drops events is a cause as long as it does, at
     CHECK(found[0].evidence == "3 events dropped before they were sent");
     CHECK(causes(after, &after).empty());
     before = after;
+    for (auto* look : {&before, &after})
+        look->answers[1].status.inputs.push_back(
+            {.input = "mask", .from = "camera.image", .connected = true, .registration = 8, .dropped = 9});
     after.answers[1].status.inputs[0].dropped = 7;
     found = causes(after, &before);
     REQUIRE(found.size() == 1);

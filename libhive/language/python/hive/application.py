@@ -407,6 +407,8 @@ class Application(Finding):
         :param outputs: drones or outputs; without any, all drones
         :param sender: instead: the events from this drone or output to `receiver`, and whether the two are connected
         """
+        if outputs and (sender or receiver):
+            raise TypeError("explain is about outputs, or about a sender and a receiver")
         pair = {"sender": sender, "receiver": receiver}
         wanted = pair if sender or receiver else self._ends(flat(*outputs))
         return ask_object(lib.hive_application_explain, self._handle, as_json(wanted))
@@ -430,7 +432,7 @@ class Application(Finding):
 
     def graph(self) -> dict[str, Any]:
         """The drones and connections of the swarm, as `hivectl graph --json` prints them: "drones" have "name", "host",
-        "kind" and "state", "connections" have "from", "to", "group" and "connected"."""
+        "kind", "state" (also "silent", "crashed", "failed" and "gone") and "note"; "connections" have "from", "to", "group" and "connected"."""
         return ask_object(lib.hive_application_graph, self._handle)
 
     def failures(self, drone: str) -> list[dict[str, Any]]:

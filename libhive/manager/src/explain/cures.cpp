@@ -52,7 +52,8 @@ std::string setting_in(const std::string& condition)
     const std::string_view set = "; set ";
     const auto at = condition.rfind(set);
     const auto setting = at == std::string::npos ? "" : condition.substr(at + set.size());
-    return setting.find('=') < setting.find(' ') ? setting : "";
+    const auto is_word = [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '='; };  // for a shell, too
+    return setting.find('=') != std::string::npos && std::ranges::all_of(setting, is_word) ? setting : "";
 }
 
 void name_source(Application& application, Cause& cause)

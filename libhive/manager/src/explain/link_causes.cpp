@@ -119,9 +119,11 @@ void Search::dropping(const StatusAnswer& answer, const InputStatus& input)
     if (dropped(*link.edge) > 0 && link.grew(dropped))
         slower(What::slow_connection, link, "the connection takes events more slowly than they are emitted",
                std::to_string(dropped(*link.edge)) + " events dropped before they were sent", "");
-    const auto* earlier = before(answer);
-    const auto was = earlier ? processed(*earlier, &InputStatus::dropped) : 0;
-    if (input.dropped > 0 && processed(answer.status, &InputStatus::dropped) > was)
+    std::int64_t was = 0;
+    if (const auto* earlier = before(answer))
+        for (const auto& row : earlier->inputs)
+            was += row.from == input.from && row.registration == input.registration ? row.dropped : 0;
+    if (input.dropped > was)
         slower(What::slow, link, answer.drone + " takes events more slowly than they come",
                std::to_string(input.dropped) + " events dropped, " + duration_text(work_us(answer.status))
                    + " for each event",

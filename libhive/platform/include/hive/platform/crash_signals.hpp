@@ -28,7 +28,7 @@ public:
     SignalsBlocked() noexcept
     {
         const auto others = signals_for_others();
-        ::pthread_sigmask(SIG_BLOCK, &others, &before_);
+        ::pthread_sigmask(SIG_SETMASK, &others, &before_);
     }
     ~SignalsBlocked() { ::pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
     SignalsBlocked(const SignalsBlocked&) = delete;
