@@ -25,7 +25,7 @@ Problems without_reason(const Statuses& statuses);
 /// Inputs that a drone should not have, and such that it should: what it was told outlives a crash.
 /// @param wanted  sender and receiver
 Problems wrongly_connected(const Statuses& statuses, const std::set<std::pair<std::string, std::string>>& wanted);
-/// Drones that go on although they have halted, and no resume has come since.
+/// Halted drones that run although they were not resumed.
 Problems wrongly_resumed(const Statuses& statuses, const std::set<std::string>& halted);
 /// Are these two connected, at both ends?
 bool connected(const Statuses& statuses, const Edge& edge);

@@ -33,7 +33,7 @@ inline constexpr auto short_timeout = std::chrono::seconds(1);
 Application::Options application_named(const std::string& name,
                                        std::chrono::milliseconds timeout = Application::Options().timeout);
 
-/// Who is there from the beginning to the end of a round.
+/// The drones and applications that exist during a whole round.
 std::set<std::string> peers(const mixtures::Topology& topology);
 
 /// Made and used by a thread of the world.
@@ -150,7 +150,7 @@ private:
     std::map<std::string, int> machines_;  ///< of drones; who is not here is on machine 0
     std::vector<std::string> wrong_ages_;
     const Trace& trace_;
-    std::map<std::string, RunningPtr> running_;                   ///< who has the name
+    std::map<std::string, RunningPtr> running_;                   ///< the process that has the name
     std::vector<std::pair<std::string, RunningPtr>> successors_;  ///< that wait for a name, or did
     std::map<std::string, Time> frozen_;
     std::set<std::string> killed_;

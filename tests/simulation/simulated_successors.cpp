@@ -1,4 +1,4 @@
-// Replaces simulated drones by the code of hivectl replace, while somebody dies or something else is done to them.
+// Replaces simulated drones with the code of hivectl replace, while a process is killed or another order reaches them.
 #include "programs.hpp"
 #include "simulated_ground.hpp"
 

@@ -43,7 +43,7 @@ public:
             away += !status.connected && !status.group ? 1 : 0;
         }
         hold(away <= ReceiverTable::max_gone + places_.size(), "who was lost is forgotten in the end");
-        hold(!table_.demand().asked || table_.demand().wanted, "nobody asks for what nobody wants");
+        hold(!table_.demand().asked || table_.demand().wanted, "an output is asked for events only if it is wanted");
         for (const auto& [id, seat] : seats_)
             if (seat.place != 0)
                 hold(table_.standing({.receiver = seat.name, .place = seat.place}) == id, "each place has one holder");
