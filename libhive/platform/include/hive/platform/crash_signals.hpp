@@ -1,5 +1,5 @@
-// The signals of a crash, which threads must not block, the others, which most threads leave to others, and a stack for
-// their handler.
+// The signals of a crash, which no thread may block; the other signals, which most threads block; and a stack for the
+// handler of crashes.
 #pragma once
 
 #include <array>
