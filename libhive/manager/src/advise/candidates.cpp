@@ -124,11 +124,12 @@ Doubt doubt_of(const Line& line, const Change& change)
     return {Sure::high, ""};
 }
 
-bool helps(const Line& line, Goal goal, const Proposal& proposal)
+/// A change that leaves the model's rate as it is does not help, even if fewer events than that were measured.
+bool helps(const Line& line, const Line& after, Goal goal, const Proposal& proposal)
 {
     const double age = measured_latency(line).value_or(0);
     return goal == Goal::fps
-               ? proposal.predicted_per_s >= gain_fps * line.per_s()
+               ? rate(after) >= gain_fps * rate(line) && proposal.predicted_per_s >= gain_fps * line.per_s()
                : age > 0 && proposal.predicted_us <= gain_latency * age && proposal.predicted_us <= age - noticeable_us;
 }
 
@@ -192,7 +193,7 @@ std::vector<Candidate> candidates(const Line& line, Goal goal)
             proposal.predicted_us = std::max(after.last().work_us, age + latency(after) - latency(line));
         if (!now.empty())
             proposal.next = now.front();
-        if (helps(line, goal, proposal))
+        if (helps(line, after, goal, proposal))
             found.push_back({change, proposal});
     }
     std::ranges::stable_sort(found, [&](const Candidate& one, const Candidate& other) {
