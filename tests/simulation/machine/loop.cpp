@@ -46,7 +46,12 @@ bool Loop::started() const noexcept { return side_of(this).started && !side_of(t
 bool Loop::has_turn() const noexcept { return side_of(this).turns > 0; }
 void Loop::start() { side_of(this).started = true; }
 void Loop::take() { ++side_of(this).turns; }
-void Loop::leave() { --side_of(this).turns; }
+void Loop::leave()
+{
+    auto& side = side_of(this);
+    --side.turns;
+    side.ready = true;
+}
 
 void Loop::end()
 {
@@ -64,7 +69,7 @@ void Loop::post(Task task)
         return;
     posted_.push_back(std::move(task));
     if (posted_.size() == 1)
-        asio::post(context_, [this] { run_posted(); });
+        side_of(this).post([this] { run_posted(); });
 }
 
 /// Sometimes another thread has the turn. Destructors call this, so it throws nothing.
@@ -126,10 +131,7 @@ void wait(Loop& loop, Clock::time_point deadline, const std::function<bool()>& d
     loop.wait(deadline, done);
 }
 
-void Loop::interrupt()
-{
-    asio::post(context_, [] {});
-}
+void Loop::interrupt() { side_of(this).post([] {}); }
 
 void Loop::run(const Task& task) noexcept { task(); }
 

@@ -53,7 +53,7 @@ public:
     void knock(std::unique_ptr<Stream> stream)
     {
         waiting_.push_back(std::move(stream));
-        asio::post(context_, [self = shared_from_this()] { self->let_in(); });
+        NetworkSide::of(context_).post([self = shared_from_this()] { self->let_in(); });
     }
 
 private:

@@ -3,8 +3,6 @@
 
 #include <hive/error.hpp>
 
-#include <asio/post.hpp>
-
 #include <algorithm>
 #include <csignal>
 #include <cstring>
@@ -36,7 +34,7 @@ void Operation::finish(std::error_code error, std::size_t bytes)
         return;
     const auto keep = *row_;
     side->operations_.erase(row_);
-    asio::post(side->context, [handler = std::move(handler_), error, bytes] { handler(error, bytes); });
+    side->post([handler = std::move(handler_), error, bytes] { handler(error, bytes); });
     handler_ = nullptr;
     work_.reset();
 }
@@ -282,7 +280,7 @@ bool World::run_handler()
     for (std::size_t i = 0; i < sides_.size(); ++i) {
         NetworkSide& side = *sides_[(first + i) % sides_.size()];
         const Process& process = side.process;
-        if (!side.started || process.dead || process.frozen
+        if (!side.ready || !side.started || process.dead || process.frozen
             || (process.busy_since && now_ < *process.busy_since + patience))
             continue;
         current_ = &side.process;
@@ -292,6 +290,7 @@ bool World::run_handler()
             ask_waiting(side);
         --side.turns;
         current_ = nullptr;
+        side.ready = ran;
         if (!ran)
             continue;
         ++handlers_;

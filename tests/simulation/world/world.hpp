@@ -7,6 +7,7 @@
 
 #include <asio/executor_work_guard.hpp>
 #include <asio/io_context.hpp>
+#include <asio/post.hpp>
 
 #include <cstdint>
 #include <functional>
@@ -80,11 +81,18 @@ public:
     static NetworkSide& of(asio::io_context& context);
 
     std::shared_ptr<Operation> begin(Operation::Handler handler);
+    template <class Handler>
+    void post(Handler handler)
+    {
+        ready = true;
+        asio::post(context, std::move(handler));
+    }
 
     asio::io_context& context;
     Process& process;
     bool started = false;
-    int turns = 0;  ///< how often a thread has taken the turn
+    int turns = 0;       ///< how often a thread has taken the turn
+    bool ready = false;  ///< its context may have a handler to run
     std::vector<Thread*> waiting;
 
 private:
