@@ -43,11 +43,11 @@ hive::ConnectionOptions connection_of(const Options& options, const std::string&
     return connection;
 }
 
-void report(const std::pair<hive::Endpoint, hive::Endpoint>& ends, const hive::ConnectionOptions& connection, bool json)
+void report(const hive::Endpoint& from, const hive::Endpoint& to, const hive::ConnectionOptions& connection, bool json)
 {
-    const auto from = to_text(ends.first), to = to_text(ends.second);
-    write_out(json ? Row{{"from", from}, {"to", to}, {"options", hive::to_json(connection)}}.json() + "\n"
-                   : from + " -> " + to + "\n");
+    write_out(json ? Row{{"from", to_text(from)}, {"to", to_text(to)}, {"options", hive::to_json(connection)}}.json()
+                         + "\n"
+                   : to_text(from) + " -> " + to_text(to) + "\n");
 }
 
 int run(const Options& options, Session& session)
@@ -57,15 +57,21 @@ int run(const Options& options, Session& session)
     application.find(sender.drone);  // one error about the sender, instead of one per receiver
     const auto connection = connection_of(options, sender.drone);
     Outcome outcome("connect");
-    for (const auto& receiver : endpoints_named(application, options.receivers, outcome)) {
-        try {
-            const Waiting waiting(to_text(receiver) + " to connect");
-            report(application.connect(sender, receiver, connection), connection, session.json);
+    const auto receivers = endpoints_named(application, options.receivers, outcome);
+    std::vector<hive::SwarmConnection> connections;
+    for (const auto& receiver : receivers)
+        connections.push_back({sender, receiver, connection});
+    const Waiting waiting(
+        (receivers.size() == 1 ? to_text(receivers.front()) : std::to_string(receivers.size()) + " receivers")
+        + " to connect");
+    const auto answers = application.connect(connections);
+    for (std::size_t i = 0; i < receivers.size(); ++i)
+        if (const auto& [from, to, error] = answers[i]; error) {
+            outcome.failed(to_text(receivers[i]), *error);
+        } else {
+            report(from, to, connection, session.json);
             outcome.done();
-        } catch (const hive::Error& error) {
-            outcome.failed(to_text(receiver), error);
         }
-    }
     return outcome.exit_code();
 }
 

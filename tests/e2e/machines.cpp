@@ -146,3 +146,24 @@ TEST_CASE("machines: a long way is measured, and a larger window lets more throu
     lab.hivectl_done("connect ticker sleeper --window 16");
     CHECK(rate(100) > 2 * narrow);  // for so long that a moment of nothing does not count
 }
+
+TEST_CASE("machines: nine receivers that are connected together over a long way take about as long as one")
+{
+    if (!possible(missing_for_lab()))
+        return;
+    const Lab lab({"cam1", "gpu1"});
+    lab.share_key();
+    lab.hivectl_done("start ticker --on cam1");
+    lab.hivectl_done("start sleeper --as alone --on gpu1");
+    for (int i = 1; i <= 9; ++i)
+        lab.hivectl_done("start sleeper --as worker-" + std::to_string(i) + " --on gpu1");
+    const BadLink far(lab.machine(0), lab.machine(1), {.delay = 100ms});
+    const auto time_of = [&](const std::string& receivers, int connected) {
+        const auto begin = Clock::now();
+        CHECK(lines_of(lab.hivectl_done("connect ticker " + receivers)) == connected);
+        return Clock::now() - begin;
+    };
+    const auto one = time_of("alone", 1), nine = time_of("'worker-?'", 9);
+    CHECK(one > 200ms);
+    CHECK(nine < 3 * one);
+}

@@ -84,6 +84,20 @@ struct Endpoint {
 };
 std::string to_text(const Endpoint& end);  // "camera.image", "camera"
 
+/// A connection between two drones. An empty port is inferred when the connection is made.
+struct SwarmConnection {
+    Endpoint from, to;
+    ConnectionOptions options;
+
+    bool operator==(const SwarmConnection& other) const;
+};
+
+/// The result of one connection of several: the ports that were used, or an error.
+struct ConnectAnswer {
+    Endpoint sender, receiver;
+    std::optional<Error> error;
+};
+
 struct CollectOptions {
     /// A wide window: events are skipped only if the collector falls that far behind, and never from a source on
     /// demand.
@@ -210,6 +224,8 @@ public:
     /// Errc::type_mismatch naming both types, and Errc::refused if a stateful drone is to share.
     std::pair<Endpoint, Endpoint> connect(const Endpoint& sender, const Endpoint& receiver,
                                           const ConnectionOptions& options = {});
+    /// Makes all connections at once; the answers are in the same order.
+    std::vector<ConnectAnswer> connect(const std::vector<SwarmConnection>& connections);
     /// Removes a connection. Throws Errc::not_found if there is none. Empty ports: every connection between the two. If
     /// the receiver has exited, its sender forgets it and stops waiting for it.
     void disconnect(const Endpoint& sender, const Endpoint& receiver);

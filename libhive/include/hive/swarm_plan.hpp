@@ -17,15 +17,6 @@ namespace hive {
 
 using SwarmDrone = DroneOrder;
 
-/// One connection between two drones of the swarm. A port that the file omits is filled in if the interfaces are known;
-/// an empty one is inferred when the connection is made.
-struct SwarmConnection {
-    Endpoint from, to;
-    ConnectionOptions options;
-
-    bool operator==(const SwarmConnection& other) const;
-};
-
 /// How the processes of one machine are started: {"ssh": "lab-cam1"} has the name `ssh` and the settings "lab-cam1".
 struct SwarmEngine {
     std::string name = "local";  ///< local, ssh, systemd or slurm

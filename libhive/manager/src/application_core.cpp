@@ -247,7 +247,8 @@ std::optional<Error> Application::Core::wait_until_gone(const Place& place, even
 }
 
 std::vector<Answer> Application::Core::ask_all(const std::vector<std::string>& drones, protocol::PacketType type,
-                                               const std::vector<Json>& headers)
+                                               const std::vector<Json>& headers,
+                                               const std::function<event::Clock::time_point(std::size_t)>& until)
 {
     const auto places = places_or_errors(drones);
     std::vector<Reply> replies;
@@ -256,7 +257,7 @@ std::vector<Answer> Application::Core::ask_all(const std::vector<std::string>& d
         while (replies.size() < std::min(drones.size(), i + asked_at_once)) {
             const auto next = replies.size();
             if (const auto* place = std::get_if<Place>(&places[next]))
-                replies.push_back(send(*place, type, headers[next], {}, deadline()));
+                replies.push_back(send(*place, type, headers[next], {}, until ? until(next) : deadline()));
             else
                 replies.push_back(std::make_shared<std::optional<event::Outcome>>(std::get<Error>(places[next])));
         }

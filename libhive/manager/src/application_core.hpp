@@ -27,8 +27,10 @@ public:
     Json ask(const std::string& drone, protocol::PacketType type, const Json& header = Json::object(),
              const Body& body = {}, std::optional<event::Clock::time_point> until = {});
     /// Sends requests to several, in parallel as far as descriptors allow, each with its own header, and waits for all.
+    /// @param until  the deadline of the request with this index, if that is not the usual one
     std::vector<Answer> ask_all(const std::vector<std::string>& drones, protocol::PacketType type,
-                                const std::vector<Json>& headers);
+                                const std::vector<Json>& headers,
+                                const std::function<event::Clock::time_point(std::size_t)>& until = {});
     std::vector<Answer> ask_all(const std::vector<std::string>& drones, protocol::PacketType type, const Json& header);
     /// Where a drone is reachable. Throws Errc::not_found, with the nearest name, if the name is unknown, and
     /// Errc::invalid_argument if several drones have it.
@@ -44,9 +46,7 @@ public:
     void disconnect(const Endpoint& sender, const Endpoint& receiver);
     /// Asks the sender to stop waiting for a receiver that is gone.
     void forget(const Endpoint& sender, const Endpoint& receiver);
-    /// Addresses at which the receiver can reach the sender, the nearest first; an empty one: by name in the receiver's
-    /// home.
-    std::vector<std::string> ways(const std::string& sender, const std::string& receiver);
+    std::vector<ConnectAnswer> connect(const std::vector<SwarmConnection>& connections);
     /// Saves which drones of other machines have just answered.
     void note_answers(const std::vector<StatusAnswer>& answers);
     /// Is a drone running there, as far as this machine can determine?
@@ -80,6 +80,8 @@ public:
     std::atomic<std::int64_t> sets = 0;  ///< answered: a set may restart a source that had ended
 
 private:
+    struct Wire;
+    void connect(std::vector<Wire> wires, std::vector<ConnectAnswer>& made);
     struct Asking;
     void begin(const std::shared_ptr<Asking>& asking);
     event::Outcome wait_for(const Reply& reply);  ///< takes the outcome: once

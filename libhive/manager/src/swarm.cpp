@@ -15,6 +15,7 @@
 #include <hive/program.hpp>
 
 #include <algorithm>
+#include <span>
 
 namespace hive {
 
@@ -39,20 +40,25 @@ std::vector<std::string> drones_of(const std::vector<SwarmStep>& steps, What wha
 
 bool is_cancelled(const SwarmWatch& watch) { return watch.cancelled && watch.cancelled(); }
 
-std::vector<SwarmFailure> change(swarm::Changes& changes, const std::vector<SwarmStep>& steps, const SwarmWatch& watch)
+/// Connections that follow one another are made at once, up to as many as may be made before the caller can cancel.
+std::vector<SwarmFailure> change(swarm::Changes& changes, std::span<const SwarmStep> steps, const SwarmWatch& watch)
 {
-    std::size_t done = 0;
-    for (const auto& step : steps)
-        try {
-            if (is_cancelled(watch))
-                throw Error(Errc::stopped, "interrupted");
-            if (step.what != What::start && step.what != What::restart && step.what != What::stop)
-                changes.make(step);
-            if (watch.on_progress)
-                watch.on_progress(++done, steps.size(), "wired");
-        } catch (const Error& error) {
-            return {{step.drone, error}};
-        }
+    constexpr std::size_t max_at_once = 256;
+    const auto all = steps.size();
+    while (!steps.empty()) {
+        if (is_cancelled(watch))
+            return {{steps.front().drone, Error(Errc::stopped, "interrupted")}};
+        const auto other = std::ranges::find_if_not(
+            steps, [](What what) { return what == What::connect; }, &SwarmStep::what);
+        const auto connections = static_cast<std::size_t>(other - steps.begin());
+        const auto next = steps.first(std::clamp<std::size_t>(connections, 1, max_at_once));
+        if (const auto what = next.front().what; what != What::start && what != What::restart && what != What::stop)
+            if (auto failures = changes.make(next); !failures.empty())
+                return failures;
+        steps = steps.subspan(next.size());
+        if (watch.on_progress)
+            watch.on_progress(all - steps.size(), all, "wired");
+    }
     return {};
 }
 

@@ -1,4 +1,4 @@
-// Connects by sending the receiver the output at which it is to register, and its addresses.
+// Connects by sending each receiver the output at which it is to register, and its addresses; to all at once.
 #include "application_core.hpp"
 #include "fitting_ports.hpp"
 
@@ -6,6 +6,8 @@
 #include <hive/protocol/requests.hpp>
 
 #include <algorithm>
+#include <map>
+#include <set>
 
 namespace hive {
 
@@ -13,32 +15,18 @@ using protocol::PacketType;
 
 std::string to_text(const Endpoint& end) { return end.port.empty() ? end.drone : end.drone + "." + end.port; }
 
-/// Each address has its share of the timeout, but not less than an attempt needs.
 std::pair<Endpoint, Endpoint> Application::connect(const Endpoint& sender, const Endpoint& receiver,
                                                    const ConnectionOptions& options)
 {
-    const auto from = describe(sender.drone), to = describe(receiver.drone);
-    const auto [output, input] = fitting_ports(sender, from, receiver, to);
-    if (to.stateful && !options.group.empty())
-        throw sharing_refused(receiver.drone);
-    const auto place = core_->place(sender.drone);
-    protocol::Connect request{.drone = place.drone, .output = output->name, .input = input->name, .options = options};
-    const auto ways = core_->ways(sender.drone, receiver.drone);
-    constexpr std::chrono::milliseconds usual_time(5000);
-    const auto until = core_->deadline();
-    for (std::size_t i = 0; i < ways.size(); ++i)
-        try {
-            request.address = ways[i];
-            const auto now = event::Clock::now();
-            const auto share = (until - now) / static_cast<int>(ways.size() - i);
-            core_->ask(receiver.drone, PacketType::connect, to_json(request), {},
-                       now + std::max<event::Clock::duration>(share, std::min(core_->timeout, usual_time)));
-            break;
-        } catch (const Error& error) {
-            if (i + 1 == ways.size() || (error.code() != Errc::unreachable && error.code() != Errc::timeout))
-                throw;
-        }
-    return {{sender.drone, output->name}, {receiver.drone, input->name}};
+    const auto made = connect({{sender, receiver, options}}).front();
+    if (made.error)
+        throw *made.error;
+    return {made.sender, made.receiver};
+}
+
+std::vector<ConnectAnswer> Application::connect(const std::vector<SwarmConnection>& connections)
+{
+    return core_->connect(connections);
 }
 
 namespace {
@@ -65,28 +53,33 @@ std::string seen_from_here(const std::string& address, const Place& place)
     return to_text(parsed);
 }
 
-}  // namespace
+using Answers = std::map<std::string, Answer>;
 
-std::vector<std::string> Application::Core::ways(const std::string& from, const std::string& to)
+/// Throws the error that the drone answers.
+const Json& answer_of(const Answers& answers, const std::string& drone)
 {
-    const auto sender = place(from), receiver = place(to);
+    const auto& answer = answers.at(drone);
+    if (answer.error)
+        throw *answer.error;
+    return answer.result;
+}
+
+/// Addresses at which the receiver can reach the sender, the nearest first; an empty one: by name in the receiver's
+/// home.
+std::vector<std::string> ways(const Place& sender, const Place& receiver, const Answers& statuses)
+{
     if (is_here(sender) && is_here(receiver))
         return {""};
-    const auto answers = ask_all({from, to}, PacketType::status, Json{{"skip", max_json_integer}});
-    std::vector<std::vector<std::string>> places;
-    for (const auto& answer : answers) {
-        if (answer.error)
-            throw *answer.error;
-        places.push_back(status_from_json(answer.result).places);
-    }
+    const auto places_of = [&](const Place& end) { return status_from_json(answer_of(statuses, end.drone)).places; };
+    const auto from = places_of(sender), to = places_of(receiver);
     std::vector<std::string> ways;
     const auto add = [&](const std::string& way) {
         if (std::ranges::find(ways, way) == ways.end())
             ways.push_back(way);
     };
-    if (sender.host == receiver.host && home_in(places[0]) == home_in(places[1]))
+    if (sender.host == receiver.host && home_in(from) == home_in(to))
         add("");
-    for (const auto& address : places[0])
+    for (const auto& address : from)
         if (address.starts_with(on_network))
             add(seen_from_here(address, sender));
     if (!is_here(sender))
@@ -97,6 +90,91 @@ std::vector<std::string> Application::Core::ways(const std::string& from, const 
                         + " cannot reach it",
                     "start it with --listen tcp://HOST");
     return ways;
+}
+
+}  // namespace
+
+/// A request to connect, and the addresses of the sender that the receiver tries in turn.
+struct Application::Core::Wire {
+    std::size_t row;  ///< of its connection
+    std::string receiver;
+    protocol::Connect request;
+    std::vector<std::string> ways;
+};
+
+std::vector<ConnectAnswer> Application::Core::connect(const std::vector<SwarmConnection>& connections)
+{
+    std::set<std::string> drones;
+    for (const auto& connection : connections)
+        drones.insert({connection.from.drone, connection.to.drone});
+    const auto query = [&](PacketType type, const Json& header) {
+        Answers answers;
+        for (auto& answer : ask_all({drones.begin(), drones.end()}, type, header))
+            answers.emplace(answer.drone, std::move(answer));
+        return answers;
+    };
+    const auto interfaces = query(PacketType::describe, Json::object());
+    const bool all_here = std::ranges::all_of(drones, [&](const std::string& drone) {
+        const auto found = place_or_error(drone);
+        const auto* place = std::get_if<Place>(&found);
+        return !place || is_here(*place);
+    });
+    const auto statuses = all_here ? Answers() : query(PacketType::status, {{"skip", max_json_integer}});
+
+    std::vector<ConnectAnswer> made;
+    std::vector<Wire> wires;
+    for (const auto& [sender, receiver, options] : connections)
+        try {
+            made.push_back({sender, receiver, std::nullopt});
+            const auto from = interface_from_json(answer_of(interfaces, sender.drone)),
+                       to = interface_from_json(answer_of(interfaces, receiver.drone));
+            const auto [output, input] = fitting_ports(sender, from, receiver, to);
+            if (to.stateful && !options.group.empty())
+                throw sharing_refused(receiver.drone);
+            made.back().sender.port = output->name;
+            made.back().receiver.port = input->name;
+            const auto place_of_sender = place(sender.drone);
+            wires.push_back(
+                {made.size() - 1,
+                 receiver.drone,
+                 {.drone = place_of_sender.drone, .output = output->name, .input = input->name, .options = options},
+                 ways(place_of_sender, place(receiver.drone), statuses)});
+        } catch (const Error& error) {
+            made.back().error = error;
+        }
+    connect(std::move(wires), made);
+    return made;
+}
+
+/// Each address has its share of the timeout, but not less than an attempt needs.
+void Application::Core::connect(std::vector<Wire> wires, std::vector<ConnectAnswer>& made)
+{
+    constexpr std::chrono::milliseconds usual_time(5000);
+    const auto until = deadline();
+    for (std::size_t tried = 0; !wires.empty(); ++tried) {
+        std::vector<std::string> receivers;
+        std::vector<Json> requests;
+        for (auto& wire : wires) {
+            wire.request.address = wire.ways[tried];
+            receivers.push_back(wire.receiver);
+            requests.push_back(to_json(wire.request));
+        }
+        const auto answers = ask_all(receivers, PacketType::connect, requests, [&](std::size_t i) {
+            const auto now = event::Clock::now();
+            const auto share = (until - now) / static_cast<int>(wires[i].ways.size() - tried);
+            return now + std::max<event::Clock::duration>(share, std::min(timeout, usual_time));
+        });
+        std::vector<Wire> again;
+        for (std::size_t i = 0; i < wires.size(); ++i) {
+            const auto& error = answers[i].error;
+            if (error && (error->code() == Errc::unreachable || error->code() == Errc::timeout)
+                && tried + 1 < wires[i].ways.size())
+                again.push_back(std::move(wires[i]));
+            else
+                made[wires[i].row].error = error;
+        }
+        wires = std::move(again);
+    }
 }
 
 void Application::Core::forget(const Endpoint& sender, const Endpoint& receiver)

@@ -131,7 +131,10 @@ void wait(Loop& loop, Clock::time_point deadline, const std::function<bool()>& d
     loop.wait(deadline, done);
 }
 
-void Loop::interrupt() { side_of(this).post([] {}); }
+void Loop::interrupt()
+{
+    side_of(this).post([] {});
+}
 
 void Loop::run(const Task& task) noexcept { task(); }
 

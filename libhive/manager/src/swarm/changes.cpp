@@ -1,22 +1,51 @@
 // Executes each step by a call of the application.
 #include "changes.hpp"
 
+#include <algorithm>
+#include <iterator>
+
 namespace hive::swarm {
 
 using What = SwarmStep::What;
+
+std::vector<SwarmFailure> Changes::make(std::span<const SwarmStep> steps)
+{
+    if (steps.front().what == What::connect)
+        return connect(steps);
+    try {
+        make(steps.front());
+        made_.push_back(steps.front());
+        return {};
+    } catch (const Error& error) {
+        return {{steps.front().drone, error}};
+    }
+}
+
+std::vector<SwarmFailure> Changes::connect(std::span<const SwarmStep> steps)
+{
+    std::vector<SwarmConnection> connections;
+    std::ranges::transform(steps, std::back_inserter(connections), &SwarmStep::connection);
+    std::vector<SwarmFailure> failures;
+    const auto answers = application_.connect(connections);
+    for (std::size_t i = 0; i < steps.size(); ++i)
+        if (answers[i].error)
+            failures.push_back({steps[i].drone, *answers[i].error});
+        else
+            made_.push_back(steps[i]);
+    return failures;
+}
 
 void Changes::make(const SwarmStep& step)
 {
     switch (step.what) {
     case What::set: application_.set(step.drone, step.values); break;
     case What::change: change(step.drone, step.values); break;
-    case What::connect: application_.connect(step.connection.from, step.connection.to, step.connection.options); break;
     case What::disconnect: application_.disconnect(step.connection.from, step.connection.to); break;
+    case What::connect:
     case What::start:
     case What::restart:
     case What::stop: throw Error(Errc::invalid_argument, "drones are started and stopped by their engines");
     }
-    made_.push_back(step);
 }
 
 /// The fields of an order that a running drone can change.

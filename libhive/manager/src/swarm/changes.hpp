@@ -3,6 +3,7 @@
 
 #include <hive/swarm.hpp>
 
+#include <span>
 #include <vector>
 
 namespace hive::swarm {
@@ -11,12 +12,15 @@ class Changes {
 public:
     explicit Changes(Application& application) : application_(application) {}
 
-    /// Throws the error that the drone answers; then this step has changed nothing.
-    void make(const SwarmStep& step);
+    /// Makes a step, or several connections at once. Returns the errors that drones answer; these steps have changed
+    /// nothing.
+    std::vector<SwarmFailure> make(std::span<const SwarmStep> steps);
     /// Undoes all steps, the last first. Returns those that cannot be undone.
     std::vector<SwarmFailure> undo();
 
 private:
+    std::vector<SwarmFailure> connect(std::span<const SwarmStep> steps);
+    void make(const SwarmStep& step);
     void change(const std::string& drone, const Json& fields);
     void undo(const SwarmStep& step);
 

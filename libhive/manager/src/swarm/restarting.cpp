@@ -46,12 +46,9 @@ std::vector<SwarmFailure> Restarting::undo()
 std::vector<SwarmFailure> Restarting::connect(const std::vector<SwarmConnection>& connections)
 {
     std::vector<SwarmFailure> failures;
-    for (const auto& [from, to, options] : connections)
-        try {
-            application_.connect(from, to, options);
-        } catch (const Error& error) {
-            failures.push_back({to.drone, error});
-        }
+    for (const auto& made : application_.connect(connections))
+        if (made.error)
+            failures.push_back({made.receiver.drone, *made.error});
     return failures;
 }
 

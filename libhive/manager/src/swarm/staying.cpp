@@ -272,11 +272,9 @@ void Staying::settle()
             continue;
         if (claim_is_wanted(application_.home(), plan_->name))
             return;
-        try {
-            changes.make(step);
-        } catch (const Error& error) {
-            unsettled.insert(step.drone);
-            tell_trouble(step.drone + ": " + error.what());
+        for (const auto& failure : changes.make({&step, 1})) {
+            unsettled.insert(failure.drone);
+            tell_trouble(failure.drone + ": " + failure.error.what());
         }
     }
     unsettled_ = std::move(unsettled);
