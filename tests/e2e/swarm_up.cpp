@@ -5,6 +5,7 @@
 #include "worker_swarm.hpp"
 
 #include <doctest/doctest.h>
+#include <free_port.hpp>
 #include <hive/event/home.hpp>
 
 #include <algorithm>
@@ -66,6 +67,26 @@ TEST_CASE("up: of a changed file only the change is made, and nothing is started
     CHECK(std::ranges::count_if(fewer, [](const auto& step) { return step.starts_with("stop "); }) == 3);
     CHECK(running(swarm).size() == 2);
     CHECK(steps(swarm, file).empty());
+}
+
+TEST_CASE("up: a camera without frames is reported by name within 2 s, one that has frames delays nothing")
+{
+    const Swarm swarm;
+    const auto source = "rtsp://127.0.0.1:" + std::to_string(free_port()) + "/video";
+    const auto camera = [](const std::string& from) { return Json{{"kind", "camera"}, {"set", {{"source", from}}}}; };
+    Json content{{"swarm", "cams"}, {"drones", {{"away", camera(source)}, {"here", {{"kind", "camera"}}}}}};
+    const File file(swarm, content);
+    const auto begin = Clock::now();
+    const auto up = swarm.hivectl({"up", file});
+    CHECK(Clock::now() - begin < patient(4s));
+    CHECK(up.exit_code == 0);
+    CHECK(up.out == "start away\nstart here\n");
+    CHECK_EQ(up.err, "hivectl up: away reports: " + source + ": Connection refused; see: hivectl explain away\n");
+    content["drones"]["away"]["set"]["source"] = "scene";
+    file.write(content);
+    const auto mended = swarm.hivectl({"up", file});
+    CHECK(mended.out == "set away source=scene\n");
+    CHECK(mended.err.empty());
 }
 
 TEST_CASE("up: what was connected or set by hand beside the file is left alone, and what fell is started again")

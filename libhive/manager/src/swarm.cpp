@@ -1,6 +1,7 @@
 // Brings a swarm up and takes it down.
 #include <hive/swarm.hpp>
 
+#include "inquiry.hpp"
 #include "swarm/changes.hpp"
 #include "swarm/claim.hpp"
 #include "swarm/differences.hpp"
@@ -15,6 +16,8 @@
 #include <hive/program.hpp>
 
 #include <algorithm>
+#include <map>
+#include <set>
 #include <span>
 
 namespace hive {
@@ -73,6 +76,33 @@ bool starts_elsewhere(const SwarmPlan& plan, const std::vector<SwarmStep>& steps
 {
     return std::ranges::any_of(drones_of(steps, What::start),
                                [&](const std::string& drone) { return plan.drone(drone)->host != Place::here; });
+}
+
+/// A drone that is up may still lack its camera. Waits up to 2 s for that to pass, and reports what remains.
+void report_conditions(Application& application, const std::vector<SwarmStep>& steps, const SwarmWatch& watch)
+{
+    using Clock = Inquiry::Clock;
+    constexpr auto wait_time = 2s;
+    constexpr auto pause = 50ms;
+    std::set<std::string> waiting;
+    for (const auto& step : steps)
+        if (step.what == What::start || step.what == What::restart || step.what == What::set)
+            waiting.insert(step.drone);
+    std::map<std::string, std::string> conditions;
+    Inquiry inquiry(application, pause);
+    for (const auto end = Clock::now() + wait_time; !waiting.empty() && Clock::now() < end && !is_cancelled(watch);) {
+        inquiry.ask({waiting.begin(), waiting.end()}, wait_time);
+        inquiry.wait(std::min(end, Clock::now() + pause), {});
+        for (const auto& answer : inquiry.take())
+            if (!answer.error && answer.status.why == Reason::none && !answer.status.condition.empty()) {
+                conditions[answer.drone] = answer.status.condition;
+            } else {
+                conditions.erase(answer.drone);
+                waiting.erase(answer.drone);
+            }
+    }
+    for (const auto& [drone, condition] : conditions)
+        watch.told(drone + " reports: " + condition + "; see: hivectl explain " + drone);
 }
 
 bool is_empty(const SwarmPlan& plan) { return plan.drones.empty(); }
@@ -150,6 +180,8 @@ SwarmOutcome Swarm::up(std::chrono::milliseconds patience, const SwarmWatch& wat
         return outcome;
     const auto& now = outcome.failures.empty() ? plan_ : before;
     is_empty(now) ? record.forget() : record.write(now);
+    if (watch.told && outcome.failures.empty())
+        report_conditions(application_, outcome.steps, watch);
     return outcome;
 }
 

@@ -85,7 +85,7 @@ bool connected_in(std::uint64_t seed, std::chrono::milliseconds timeout)
     world.spawn("operator", [&] {
         event::Module module({.self = {.name = "operator", .kind = "application"}, .limits = {}, .timing = {}});
         module.start();
-        auto asked = to_json(protocol::Connect{.drone = "sender", .output = "tick", .input = "image"});
+        auto asked = to_json(protocol::Connect{.drone = "sender", .output = "tick", .input = "image", .options = {}});
         asked["deadline_ms"] = timeout.count();
         std::optional<event::Outcome> answer;
         module.call([&] {
