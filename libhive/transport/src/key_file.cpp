@@ -124,10 +124,12 @@ void require_private(const Descriptor& opened, const fs::path& file)
     struct stat info {};
     if (::fstat(opened.get(), &info) != 0)
         throw Error(Errc::io, "cannot read the swarm key " + file.string() + ": " + os_text(errno));
-    if (info.st_uid != ::geteuid())
+    // A file of root that only its group reads is what a service manager makes for the group of the drone.
+    const bool of_root = info.st_uid == 0 && ::geteuid() != 0;
+    if (info.st_uid != ::geteuid() && !of_root)
         throw Error(Errc::not_permitted, "the swarm key " + file.string() + " belongs to another user",
                     "make a copy of your own");
-    if ((info.st_mode & 077) != 0)
+    if ((info.st_mode & (of_root ? 037 : 077)) != 0)
         throw Error(Errc::not_permitted, "others can read the swarm key " + file.string(),
                     "close it: chmod 600 " + file.string());
 }

@@ -11,7 +11,10 @@
 #include <fstream>
 #include <set>
 
+#include <grp.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 namespace {
 
@@ -96,6 +99,41 @@ TEST_CASE("key file: one that others may read is refused with the command that c
     }
     REQUIRE(::chmod(folder.file().c_str(), 0400) == 0);
     CHECK(hive::read_key_file(folder.file()).size() == 1);
+}
+
+TEST_CASE("key file: another user reads one of root, if only its group may, as a pod has it"
+          * doctest::skip(::geteuid() != 0))  // only root can become the other user
+{
+    const Folder folder;
+    hive::write_key_file(folder.file(), {hive::new_swarm_key(1)}, KeyFileMode::fresh);
+    constexpr unsigned other = 65532;
+    for (const auto& part : {folder.file().parent_path(), folder.file().parent_path().parent_path()})
+        REQUIRE(::chmod(part.c_str(), 0755) == 0);
+    const auto read_by_other = [&](unsigned owner, int mode) {
+        REQUIRE(::chown(folder.file().c_str(), owner, other) == 0);
+        REQUIRE(::chmod(folder.file().c_str(), static_cast<mode_t>(mode)) == 0);
+        const auto child = ::fork();
+        if (child == 0) {
+            if (::setgroups(0, nullptr) != 0 || ::setgid(other) != 0 || ::setuid(other) != 0)
+                ::_exit(2);
+            try {
+                hive::read_key_file(folder.file());
+                ::_exit(0);
+            } catch (...) {
+                ::_exit(1);
+            }
+        }
+        int status = 0;
+        REQUIRE(::waitpid(child, &status, 0) == child);
+        return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    };
+    CHECK(read_by_other(0, 0440) == 0);
+    CHECK(read_by_other(0, 0640) == 0);
+    CHECK(read_by_other(other, 0400) == 0);
+    for (const int mode : {0460, 0450, 0444, 0442, 0441})
+        CHECK(read_by_other(0, mode) == 1);
+    CHECK(read_by_other(other, 0440) == 1);
+    CHECK(read_by_other(1000, 0440) == 1);
 }
 
 TEST_CASE("key file: nobody is told to close a file that is no key")
