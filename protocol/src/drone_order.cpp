@@ -98,6 +98,9 @@ constexpr std::array order_table{
     OrderField{"change_if_shared", "", flag, &DroneOrder::change_if_shared, "", {}, never, "", false, ""},
     OrderField{"log_level", "--log-level", word, &DroneOrder::log_level, "info", log_levels, by_restart, "LEVEL", false,
                "minimum log level: debug, info (default), warning, error or off"},
+    OrderField{"cpus", "", amount, &DroneOrder::cpus, "", {}, by_restart, "", false, "", 1024},
+    OrderField{"memory_mib", "", amount, &DroneOrder::memory_mib, "", {}, by_restart, "", false, "", 1 << 24},
+    OrderField{"gpus", "", amount, &DroneOrder::gpus, "", {}, by_restart, "", false, "", 64},
 };
 
 }  // namespace
@@ -127,7 +130,10 @@ void OrderField::copy(DroneOrder& to, const DroneOrder& from) const
 
 void OrderField::set(DroneOrder& order, const Json& value) const
 {
-    const bool fits = type == flag ? value.is_boolean() : value.is_string();
+    const auto number = json_integer(value);
+    const bool fits = type == flag     ? value.is_boolean()
+                      : type == amount ? number && *number >= 0 && *number <= most
+                                       : value.is_string();
     const auto text = value.is_string() ? value.get<std::string>() : "";
     const auto known = std::ranges::find(words, text);
     if (!fits || (!words.empty() && !text.empty() && known == words.end()))
@@ -136,6 +142,7 @@ void OrderField::set(DroneOrder& order, const Json& value) const
                         order.*one = static_cast<Restart>(text.empty() ? 0 : known - words.begin());
                     },
                     [&](std::string DroneOrder::*one) { order.*one = text; },
+                    [&](int DroneOrder::*one) { order.*one = static_cast<int>(*number); },
                     [&](bool DroneOrder::*one) { order.*one = value.get<bool>(); }},
                member);
 }

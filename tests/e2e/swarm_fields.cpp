@@ -36,7 +36,10 @@ Json changes(const Swarm& swarm)
         {"insecure", {{"insecure", true}}},
         {"no_announce", {{"no_announce", true}}},
         {"remote_operator", {{"remote_operator", true}}},
-        {"log_level", {{"log_level", "debug"}}}};
+        {"log_level", {{"log_level", "debug"}}},
+        {"cpus", {{"cpus", 2}}},
+        {"memory_mib", {{"memory_mib", 512}}},
+        {"gpus", {{"gpus", 1}}}};
 }
 
 Json file_with(const Json& change = Json::object())

@@ -107,6 +107,11 @@ TEST_CASE("up under systemd: a changed restart is in a new unit")
     CHECK_EQ(systemd.shell_done(up), "restart source restart=on-failure\n");
     CHECK(has(text_of(systemd.units() / "hive-source.service"), "Restart=on-failure"));
     CHECK(systemd.shell_done(up).empty());
+    content["drones"]["source"]["memory_mib"] = 512;
+    systemd.write(content);
+    CHECK_EQ(systemd.shell_done(up), "restart source memory_mib=512\n");
+    CHECK(has(text_of(systemd.units() / "hive-source.service"), "MemoryMax=512M"));
+    CHECK(systemd.shell_done(up).empty());
 }
 
 TEST_CASE("up under systemd: the drone of another home is left alone, and what runs is said")

@@ -23,6 +23,7 @@ struct DroneOrder {
     // Empty or false: the default of the table below.
     std::string on_exception{}, listen{}, advertise{}, key{}, log_level{};
     bool halted = false, insecure = false, remote_operator = false;
+    int cpus = 0, memory_mib = 0, gpus = 0;  ///< for its engine; 0: not said
     // Only where the drone is started:
     std::vector<std::string> expected{};     ///< receivers, for --expect
     std::vector<std::string> connections{};  ///< of its inputs, for --connect
@@ -38,22 +39,23 @@ struct DroneOrder {
 
 /// One field of an order.
 struct OrderField {
-    enum class Type { kind, word, flag, address, file };
+    enum class Type { kind, word, flag, address, file, amount };
     /// How a running drone gets another value; never: it does not.
     enum class Change { at_once, by_restart, never };
 
     std::string_view name;    ///< in a swarm file and in a status: "on_exception"
     std::string_view option;  ///< on a command line: "--on-exception"; empty: none
     Type type;
-    std::variant<std::string DroneOrder::*, bool DroneOrder::*, Restart DroneOrder::*> member;
+    std::variant<std::string DroneOrder::*, bool DroneOrder::*, int DroneOrder::*, Restart DroneOrder::*> member;
     std::string_view usual;                   ///< the default, for an empty text
     std::span<const std::string_view> words;  ///< the possible values of a keyword
     Change change;
     std::string_view placeholder;  ///< for the value in help texts: "FILE"
     bool for_operator;             ///< affects the machine: hidden from viewers
     std::string_view help;         ///< of the option
+    int most = 0;                  ///< maximum of an amount; the minimum is 1
 
-    /// A text or a boolean.
+    /// A text, a boolean or a whole number.
     [[nodiscard]] Json value(const DroneOrder& order) const;
     /// The same, or the default where the order has no value.
     [[nodiscard]] Json in_force(const DroneOrder& order) const;

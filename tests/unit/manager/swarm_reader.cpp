@@ -329,6 +329,20 @@ TEST_CASE("swarm file: what systemd would always start again")
                                 "\"restart\": \"on-failure\"\n");
 }
 
+TEST_CASE("swarm file: systemd starts no drone of another machine")
+{
+    const auto on = [](const std::string& hosts) {
+        return mistakes(with("\"a\": {\"kind\": \"k\", \"count\": 2, \"on\": " + hosts + "}",
+                             "\"engines\": {\"*\": {\"systemd\": {}}}"),
+                        any);
+    };
+    CHECK_EQ(on("\"local\""), "");
+    CHECK_EQ(
+        on("[\"local\", \"cam1\"]"),
+        "2:38: systemd starts drones of this machine, and not of cam1; leave that engine out; to have units written "
+        "for each machine: hivectl export --as systemd\n");
+}
+
 TEST_CASE("swarm file: an encoding that the output does not have, or the receiver does not take")
 {
     const auto encoding = [](const std::string& from, const std::string& to, const std::string& word) {
@@ -390,7 +404,10 @@ TEST_CASE("swarm file: a machine is no folder, and a directive of Slurm is one l
     const auto slurm = [&](const std::string& settings) { return mistakes(file_with(settings), any); };
     CHECK_EQ(slurm(R"({"partition": "gpu", "options": ["--gres=gpu:1"]})"), "");
     CHECK(slurm(R"({"partition": "p\ntouch x"})").find("does not belong into a line") != std::string::npos);
-    CHECK(slurm(R"({"options": ["--a\nid"]})").find("does not belong into a line") != std::string::npos);
+    for (const char* key : {"options", "job"})
+        CHECK(slurm(R"({")" + std::string(key) + R"(": ["--a\nid"]})").find("does not belong into a line")
+              != std::string::npos);
+    CHECK_EQ(slurm(R"({"job": ["--time=60", "--requeue"]})"), "");
     CHECK_EQ(slurm(R"({"options": ["gres=gpu:1"]})"),
              "4:42: \"gres=gpu:1\" is not a Slurm option; options start with -, such as --gres=gpu:1\n");
     CHECK_EQ(mistakes(file_with(R"({"options": ["gres=gpu:1"]})")), "");  // a remembered plan can be taken down

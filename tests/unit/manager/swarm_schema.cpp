@@ -79,6 +79,8 @@ TEST_CASE("swarm schema: its words and bounds are those of the reader")
         const auto& told = drone.at(field.name);
         if (field.type == OrderField::Type::flag)
             CHECK_EQ(told.at("default"), field.in_force({}));
+        if (field.type == OrderField::Type::amount)
+            CHECK_EQ(itself(told).at("maximum"), field.most);
         if (field.type != OrderField::Type::word)
             continue;
         CHECK(std::ranges::equal(itself(told).at("enum").get<std::vector<std::string>>(), field.words));

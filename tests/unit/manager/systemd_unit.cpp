@@ -26,6 +26,16 @@ TEST_CASE("systemd unit: what systemd would read otherwise is quoted")
     CHECK(has(text, "\nType=notify\n"));
 }
 
+TEST_CASE("systemd unit: no text becomes a line of its own, and amounts are limits")
+{
+    const hive::SwarmDrone drone{.name = "a", .kind = "x\nExecStartPre=/bin/false\r.py", .cpus = 2, .memory_mib = 512};
+    const auto text = hive::unit_text(drone, {"/usr/bin/python3", {drone.kind}, {}}, "/log");
+    for (const char* line : {"\nExecStartPre", "\r"})
+        CHECK_FALSE_MESSAGE(has(text, line), text);
+    CHECK(has(text, "\nCPUQuota=200%\nMemoryMax=512M\n"));
+    CHECK_THROWS_AS(hive::unit_text(drone, {"/bin/x", {}, {}}, "/home\nExecStartPre=x/log"), hive::Error);
+}
+
 TEST_CASE("systemd unit: what could not be stopped is refused")
 {
     hive::SwarmDrone drone{.name = "camera", .kind = "camera"};

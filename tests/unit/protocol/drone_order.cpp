@@ -15,6 +15,8 @@ Json other_value(const OrderField& field)
 {
     if (field.type == OrderField::Type::flag)
         return true;
+    if (field.type == OrderField::Type::amount)
+        return field.most;
     return field.words.empty()             ? "x"
            : field.words[0] == field.usual ? std::string(field.words[1])
                                            : std::string(field.words[0]);
@@ -36,7 +38,7 @@ TEST_CASE(
         CHECK_EQ(to_json(order), Json{{field.name, value}});
         CHECK_EQ(drone_order_from_json(to_json(order)), order);
         std::vector<std::string> words{std::string(field.option)};
-        if (field.type != OrderField::Type::flag)
+        if (value.is_string())
             words.push_back(value.get<std::string>());
         CHECK_EQ(option_words(order), field.option.empty() ? std::vector<std::string>{} : words);
         field.copy(order, {});
@@ -49,7 +51,10 @@ TEST_CASE("drone order: the default in words is the default, and other values th
     for (const auto& field : order_fields()) {
         CAPTURE(field.name);
         DroneOrder order;
-        CHECK_THROWS_AS(field.set(order, 3), Error);
+        CHECK_THROWS_AS(field.set(order, Json::array()), Error);
+        if (field.type == OrderField::Type::amount)
+            for (const Json& wrong : {Json(-1), Json(field.most + 1), Json(1.5), Json("1")})
+                CHECK_THROWS_AS(field.set(order, wrong), Error);
         if (field.words.empty())
             continue;
         CHECK_THROWS_AS(field.set(order, "x"), Error);

@@ -1,6 +1,8 @@
 // Creates engines by name, and stops drones of several.
 #include "engine.hpp"
 
+#include "systemd_unit.hpp"
+
 #include <hive/protocol/connect_text.hpp>
 
 #include <algorithm>
@@ -46,8 +48,7 @@ std::unique_ptr<Engine> make_engine(const SwarmEngine& engine, const std::string
     if (engine.name == "slurm")
         return make_slurm_engine(engine.settings, host, home);
     if (engine.name == "systemd" && host != Place::here)
-        throw Error(Errc::unsupported, "systemd starts drones of this machine, and not of " + host,
-                    "leave that engine out, or have units written for each machine: hivectl export --as systemd");
+        throw systemd_refused(host);
     if (engine.name == "systemd")
         return make_systemd_engine(home);
     throw Error(Errc::unsupported, "there is no engine " + engine.name + " for " + host);

@@ -91,6 +91,9 @@ std::unique_ptr<Engine> make_systemd_engine(const std::filesystem::path& home);
 /// Outside of an allocation begin() throws Errc::refused.
 std::unique_ptr<Engine> make_slurm_engine(const Json& settings, const std::string& node,
                                           const std::filesystem::path& home);
+/// The options of srun for what the drone needs. Steps without an amount of processors or graphics cards share what
+/// the allocation has.
+std::vector<std::string> step_amounts(const SwarmDrone& drone);
 /// @param settings  the ssh host: "lab-cam1"
 std::unique_ptr<Engine> make_ssh_engine(const Json& settings, const std::filesystem::path& home);
 

@@ -7,6 +7,7 @@
 
 #include <hive/process.hpp>
 #include <hive/program.hpp>
+#include <hive/transport/listen_address.hpp>
 
 #include <algorithm>
 #include <deque>
@@ -175,12 +176,14 @@ try {
 
 std::vector<std::string> SlurmEngine::words_of(SwarmDrone drone, int port) const
 {
-    if (drone.listen.empty())
-        drone.listen = "tcp://0.0.0.0:" + std::to_string(port);
+    auto listen = transport::listen_address(drone.listen.empty() ? "tcp://0.0.0.0" : drone.listen);
+    listen.port = static_cast<std::uint16_t>(port);
+    drone.listen = to_text(listen);
     const auto command = command_of(drone.kind);
-    std::vector<std::string> words{"srun", "--jobid=" + job_, "--overlap", "--nodes=1", "--ntasks=1"};
+    std::vector<std::string> words{"srun", "--jobid=" + job_, "--nodes=1", "--ntasks=1"};
     words.insert(words.end(), {"--nodelist=" + node_, "--job-name=" + drone.name, "--input=none", "--quiet"});
     words.insert(words.end(), options_.begin(), options_.end());
+    std::ranges::move(step_amounts(drone), std::back_inserter(words));
     words.push_back(command.program.string());
     words.insert(words.end(), command.arguments.begin(), command.arguments.end());
     std::ranges::move(arguments_of(drone), std::back_inserter(words));
@@ -190,12 +193,8 @@ std::vector<std::string> SlurmEngine::words_of(SwarmDrone drone, int port) const
 /// The port of "tcp://HOST:PORT", if the plan has one, or a free one.
 int SlurmEngine::free_port(const SwarmDrone& drone) const
 {
-    if (const auto colon = drone.listen.rfind(':'); !drone.listen.empty()) {
-        const int port = colon > 3 && colon != std::string::npos ? std::atoi(drone.listen.c_str() + colon + 1) : 0;
-        if (port <= 0)
-            throw Error(Errc::invalid_argument, drone.name + ": under Slurm \"listen\" needs a port, or is left out");
+    if (const int port = drone.listen.empty() ? 0 : transport::listen_address(drone.listen).port; port > 0)
         return port;
-    }
     const auto given = [&](int port) { return std::ranges::find(steps_, port, &Step::port) != steps_.end(); };
     for (int attempt = 0; attempt < port_tries; ++attempt)
         if (const int port = port_of(job_, drone.name, attempt); !given(port) && !reachable(address_, port))
@@ -286,6 +285,20 @@ std::vector<std::string> SlurmEngine::left_of(const std::vector<std::string>& dr
 }
 
 }  // namespace
+
+std::vector<std::string> step_amounts(const SwarmDrone& drone)
+{
+    std::vector<std::string> options{drone.cpus > 0 || drone.gpus > 0 ? "--exact" : "--overlap"};
+    if (drone.cpus > 0)
+        options.push_back("--cpus-per-task=" + std::to_string(drone.cpus));
+    if (drone.memory_mib > 0)
+        options.push_back("--mem=" + std::to_string(drone.memory_mib) + "M");
+    else if (options.front() == "--exact")
+        options.emplace_back("--mem=0");  // otherwise it takes the memory of the allocation from the other steps
+    if (drone.gpus > 0)
+        options.push_back("--gres=gpu:" + std::to_string(drone.gpus));
+    return options;
+}
 
 std::unique_ptr<Engine> make_slurm_engine(const Json& settings, const std::string& node,
                                           const std::filesystem::path& home)

@@ -2,6 +2,7 @@
 #include "systemd_unit.hpp"
 
 #include <hive/error.hpp>
+#include <hive/printable.hpp>
 
 namespace hive {
 namespace {
@@ -65,6 +66,12 @@ Error restart_refused(const std::string& drone)
             "write \"restart\": \"on-failure\""};
 }
 
+Error systemd_refused(const std::string& host)
+{
+    return {Errc::unsupported, "systemd starts drones of this machine, and not of " + host,
+            "leave that engine out; to have units written for each machine: hivectl export --as systemd"};
+}
+
 std::string quoted_for_systemd(const std::string& text) { return word(text, true); }
 
 std::string unit_name(const std::string& drone) { return "hive-" + drone + ".service"; }
@@ -73,13 +80,26 @@ std::string environment_line(const std::string& variable) { return "Environment=
 
 std::string unit_supervision() { return "Type=notify\nNotifyAccess=all\nTimeoutStartSec=300\nWatchdogSec=30\n"; }
 
+std::string unit_limits(const SwarmDrone& drone)
+{
+    std::string text;
+    if (drone.cpus > 0)
+        text += "CPUQuota=" + std::to_string(drone.cpus * 100) + "%\n";
+    if (drone.memory_mib > 0)
+        text += "MemoryMax=" + std::to_string(drone.memory_mib) + "M\n";
+    return text;
+}
+
 std::string unit_text(const SwarmDrone& drone, const DroneCommand& command, const std::filesystem::path& log)
 {
+    if (printable(log.string()) != log.string())
+        throw Error(Errc::invalid_argument, "a unit cannot have the log " + in_quotes(log.string()),
+                    "choose a runtime directory without line ends: HIVE_HOME");
     const auto file = "append:" + without_specifiers(log.string());
     std::string text = "# Written by hivectl up.\n[Unit]\nDescription=Hive drone " + drone.name + " ("
-                       + without_specifiers(drone.kind)
+                       + without_specifiers(printable(drone.kind))
                        + ")\nStartLimitIntervalSec=60\nStartLimitBurst=5\n\n[Service]\n" + unit_supervision()
-                       + "ExecStart=" + command_line(command) + "\n";
+                       + unit_limits(drone) + "ExecStart=" + command_line(command) + "\n";
     for (const auto& variable : command.environment)
         text += environment_line(variable);
     return text + "StandardOutput=" + file + "\nStandardError=" + file + "\nRestart=" + restart_of(drone) + "\n";

@@ -12,6 +12,9 @@ namespace hive {
 /// The error for `restart: always`, with which hivectl stop could not stop the unit.
 Error restart_refused(const std::string& drone);
 
+/// The error for drones of another machine.
+Error systemd_refused(const std::string& host);
+
 /// "hive-face-1.service"
 std::string unit_name(const std::string& drone);
 
@@ -24,6 +27,9 @@ std::string environment_line(const std::string& variable);
 /// The lines of a unit for the drone's notifications that it is ready, which may take as long as loading a large
 /// network, and that its process is alive. The process may be a child of a wrapper.
 std::string unit_supervision();
+
+/// The lines of a unit that limit the drone to the processors and memory of its file.
+std::string unit_limits(const SwarmDrone& drone);
 
 /// The unit file.
 /// @param command  runs the drone, with all arguments and environment variables

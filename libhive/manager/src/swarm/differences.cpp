@@ -14,6 +14,13 @@ bool may_change(const SwarmPlan& plan, const SwarmDrone& drone, const StatusAnsw
     return drone.change_if_shared || owns(plan, running);
 }
 
+/// Does the engine give it to each process that it starts?
+bool is_enforced(const OrderField& field, std::string_view engine)
+{
+    return (field.type == OrderField::Type::amount && (engine == "systemd" || engine == "slurm"))
+           || (field.name == "restart" && engine == "systemd");
+}
+
 /// Compares the running drones with the plan.
 class RunningDrones {
 public:
@@ -61,15 +68,15 @@ RunningDrones::Running RunningDrones::compared(const SwarmDrone& planned, const 
     if (!known)
         require_same(plan_, planned, answer);
     auto otherwise = planned;
-    if (drone.before && plan_.engine_of(planned.host).name == "systemd")
-        otherwise.restart = drone.before->restart;
+    for (const auto& field : order_fields())
+        if (drone.before && is_enforced(field, plan_.engine_of(planned.host).name))
+            field.copy(otherwise, *drone.before);
     drone.now = running_order(answer, otherwise);
     if (is_of_kind(answer.status, planned.kind))
         drone.now.kind = planned.kind;
     drone.wanted = drone.now;
     drone.wanted.name = planned.name;
     drone.wanted.host = planned.host;
-    drone.wanted.restart = planned.restart;
     drone.wanted.swarm = drone.now.swarm = answer.status.swarm;
     for (const auto& field : order_fields())
         if (field.is_said(planned) || (drone.before && field.is_said(*drone.before))

@@ -122,7 +122,9 @@ DroneOrder running_order(const StatusAnswer& answer, const DroneOrder& otherwise
         order.kind = answer.status.kind;
     order.host = answer.place.host;
     order.set = Json::object();
-    order.restart = otherwise.restart;
+    for (const auto& field : order_fields())
+        if (field.option.empty() && field.type != OrderField::Type::kind)  // for the engine: no drone has it
+            field.copy(order, otherwise);
     order.on_exception = token(answer.status.policy);
     order.halted = order.halted || answer.status.state == State::halted;
     return order;
@@ -149,8 +151,10 @@ bool runs_as_wanted(const OrderField& field, const DroneOrder& wanted, const Dro
     if (value == "")
         return listens && !is_here(place) && now.host == "0.0.0.0";
     const auto meant = transport::listen_address(value.get<std::string>());
-    const bool chosen = listens ? now.port >= transport::first_drone_port && now.port <= transport::last_drone_port
-                                : now.port == transport::listen_address(running.listen).port;
+    const bool chosen = listens
+                            ? !is_here(place)  // where its engine may choose any port
+                                  || (now.port >= transport::first_drone_port && now.port <= transport::last_drone_port)
+                            : now.port == transport::listen_address(running.listen).port;
     return meant.host == now.host && (meant.port == 0 ? chosen : meant.port == now.port);
 }
 

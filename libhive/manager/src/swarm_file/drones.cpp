@@ -106,6 +106,8 @@ void Reader::read_options(Members& members, Entry& entry)
             field.set(entry.drone, members.word(field.name, field.words).value_or(""));
         else if (field.type == file)
             field.set(entry.drone, members.text(field.name).value_or(""));
+        else if (field.type == amount)
+            field.set(entry.drone, members.integer(field.name, 1, field.most).value_or(0));
 }
 
 void Reader::read_settings(const Value& settings, Entry& entry)

@@ -62,13 +62,17 @@ void Reader::read_slurm(const Value& value)
     Members members(mistakes_, value, "the engine slurm", slurm_keys);
     if (const auto partition = members.find("partition"))
         read_directive(*partition);
-    const auto options = members.find("options");
-    if (!options)
-        return;
-    if (!options->json->is_array())
-        return mistakes_.at_value(*options, "\"options\" must be a list of texts, not " + shown(*options->json));
-    for (std::size_t i = 0; i < options->json->size(); ++i)
-        read_slurm_option(options->item(i));
+    for (const std::string key : {"options", "job"})
+        if (const auto list = members.find(key))
+            read_slurm_options(*list, key);
+}
+
+void Reader::read_slurm_options(const Value& list, const std::string& key)
+{
+    if (!list.json->is_array())
+        return mistakes_.at_value(list, in_quotes(key) + " must be a list of texts, not " + shown(*list.json));
+    for (std::size_t i = 0; i < list.json->size(); ++i)
+        read_slurm_option(list.item(i));
 }
 
 /// An option must fit on a line of a batch script.
@@ -87,14 +91,19 @@ void Reader::read_slurm_option(const Value& value)
                            "options start with -, such as --gres=gpu:1");
 }
 
-void Reader::check_restarts()
+void Reader::check_engines()
 {
-    for (const auto& entry : read_entries_)
-        if (const auto* restart = entry.value.place->member("restart");
-            restart && entry.drone.restart == Restart::always
-            && std::ranges::any_of(entry.hosts,
-                                   [&](const auto& host) { return plan_.engine_of(host).name == "systemd"; }))
+    for (const auto& entry : read_entries_) {
+        auto hosts = entry.hosts;
+        std::erase_if(hosts, [&](const auto& host) { return plan_.engine_of(host).name != "systemd"; });
+        const auto* restart = entry.value.place->member("restart");
+        if (!hosts.empty() && restart && entry.drone.restart == Restart::always)
             mistakes_.at_value(entry.value.member("restart", *restart), restart_refused(entry.name));
+        std::erase(hosts, Place::here);
+        if (!hosts.empty())
+            mistakes_.at_value(entry.value.member("on", *entry.value.place->member("on")),
+                               systemd_refused(hosts.front()));
+    }
 }
 
 }  // namespace hive::swarm_file

@@ -35,7 +35,7 @@ void Reader::read(const Value& file, bool complete)
             read_engine(glob, engines->member(glob, place));
     check_free_ports();
     if (interface_of_) {
-        check_restarts();
+        check_engines();
         tell_unknown_kinds();
     }
 }

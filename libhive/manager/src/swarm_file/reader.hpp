@@ -76,10 +76,11 @@ private:
     void read_engine(const std::string& glob, const Value& value);
     void check_not_shadowed(const std::string& glob, const Value& value);
     void read_slurm(const Value& value);
+    void read_slurm_options(const Value& list, const std::string& key);
     void read_directive(const Value& value);
     void read_slurm_option(const Value& value);
-    /// Checks that each drone's engine supports its restart policy.
-    void check_restarts();
+    /// Checks that each drone's engine supports its machine and its restart policy.
+    void check_engines();
 
     /// As no_such(), with the names of things as candidates; only the first errors are compared with all names.
     template <class Things, class Name>

@@ -17,7 +17,7 @@ std::span<const std::string_view> drone_keys();
 /// Includes those of the options of a connection.
 std::span<const std::string_view> connection_keys();
 inline constexpr std::array engine_keys{"local"sv, "ssh"sv, "systemd"sv, "slurm"sv};
-inline constexpr std::array slurm_keys{"partition"sv, "options"sv};
+inline constexpr std::array slurm_keys{"partition"sv, "options"sv, "job"sv};
 
 inline constexpr int most_of_a_kind = 1000;
 
