@@ -72,9 +72,10 @@ def kubernetes(folder):
         (container,) = spec["containers"]
         ((port,), (open_port,)) = service["spec"]["ports"], container["ports"]
         assert port["targetPort"] == open_port["name"] and port["port"] == open_port["containerPort"]
-        secrets = {volume["name"]: volume["secret"]["secretName"] for volume in spec.get("volumes", [])}
+        secrets = {volume["name"]: volume["secret"]["secretName"] for volume in spec.get("volumes", [])
+                   if "secret" in volume}
         files = {f"{mount['mountPath']}/{file}": file for mount in container.get("volumeMounts", [])
-                 for file in made[secrets[mount["name"]]]}
+                 if mount["name"] in secrets for file in made[secrets[mount["name"]]]}
         yield run_of([word.replace("$$", "$") for word in container["command"]],
                      [(one["name"], one["value"]) for one in container.get("env", [])], service["metadata"]["name"],
                      files, container["livenessProbe"]["exec"]["command"])

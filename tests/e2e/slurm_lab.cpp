@@ -95,11 +95,13 @@ void SlurmLab::configure() const
            << "/spool-%n\nProctrackType=proctrack/linuxproc\nTaskPlugin=task/none\nSelectType=select/cons_tres\n"
               "SelectTypeParameters=CR_CPU\nJobAcctGatherType=jobacct_gather/none\n"
               "AccountingStorageType=accounting_storage/none\nMpiDefault=none\nSwitchType=switch/none\n"
-              "ReturnToService=2\nSlurmdParameters=config_overrides\nKillWait=2\nFirstJobId="
+              "GresTypes=gpu\nReturnToService=2\nSlurmdParameters=config_overrides\nKillWait=2\nFirstJobId="
            << ::getpid() << "\n";  // unique per lab: homes are named after it
     for (const auto& node : nodes)
-        config << "NodeName=" << node << " NodeHostname=localhost NodeAddr=127.0.0.1 CPUs=16 Port=" << free_port()
-               << "\n";
+        config << "NodeName=" << node
+               << " NodeHostname=localhost NodeAddr=127.0.0.1 CPUs=16 Gres=gpu:2 Port=" << free_port() << "\n";
+    std::ofstream(directory_ / "gres.conf")
+        << "Name=gpu File=/dev/null\nName=gpu File=/dev/zero\n";  // Slurm wants files
     config << "PartitionName=lab Nodes=n1,n2,n3 Default=YES MaxTime=INFINITE State=UP\n";
 }
 

@@ -43,10 +43,11 @@ std::vector<SwarmPlan> plans(const std::string& form)
     all.push_back(plan_of(R"({"swarm": "lab", "drones": {
         "camera": {"kind": "camera", "on": "cam1", "set": {"source": "/dev/video0", "credentials": "a b$c%d\"e'"}},
         "face": {"kind": "face", "count": 3, "on": ["gpu1", "gpu2"], "restart": "on-failure"},
-        "background": {"kind": "background", "restart": "always"}},
+        "background": {"kind": "background", "restart": "always", "cpus": 2, "memory_mib": 512, "gpus": 1},
+        "record": {"kind": "record", "set": {"file": "/data/a: \"#$x'%/run.hive"}}},
       "connections": [{"from": "camera", "to": "face-*", "share": true},
-                      {"from": "camera", "to": "background", "encoding": "jpeg:60"}],
-      "engines": {"gpu*": {"slurm": {"partition": "gpu", "options": ["--gres=gpu:1"]}}}})"));
+                      {"from": "camera", "to": ["background", "record"], "encoding": "jpeg:60"}],
+      "engines": {"gpu*": {"slurm": {"partition": "gpu", "options": ["--constraint=a&b"], "job": ["--requeue"]}}}})"));
     if (form == "shell")
         all.back().engines.clear();  // hivectl start does not support Slurm
     return all;
@@ -130,7 +131,12 @@ TEST_CASE("swarm exports: kubectl takes the manifests")
         std::string command;
         for (const auto& paths : plans_paths) {
             const auto folder = paths[0].parent_path().string();
-            command += "touch " + folder + "/swarm.key\nkubectl kustomize " + folder + " > /dev/null\n";
+            // A new key is a Secret of another name, which each pod mounts.
+            command += "cd " + folder
+                       + "\nfor key in 1 2; do echo $key > swarm.key; kubectl kustomize . > $key; done\n"
+                         "name() { grep -o '[a-z-]*-key-[a-z0-9]*$' $1 | sort -u; }\n"
+                         "[ $(name 1 | wc -l) = 1 ]; [ $(name 2 | wc -l) = 1 ]; [ $(name 1) != $(name 2) ]\n"
+                         "[ $(grep -c secretName: 1) = $(grep -c \"secretName: $(name 1)$\" 1) ]\n";
         }
         return command;
     });

@@ -10,6 +10,7 @@
 #include <csignal>
 #include <fstream>
 #include <map>
+#include <sstream>
 
 using namespace hive::test;
 using namespace std::chrono_literals;
@@ -45,7 +46,11 @@ TEST_CASE("up under slurm: a swarm on three nodes, each drone a step, what fell 
         return;
     const SlurmLab lab;
     lab.shell_done("hivectl key new");
-    const auto up = "hivectl up " + write(lab, shared_work());
+    auto content = shared_work();
+    content["drones"]["source"]["listen"] = "tcp://0.0.0.0";  // at a port that the engine chooses
+    content["drones"]["source"]["cpus"] = 1;
+    content["engines"]["n*"]["slurm"]["job"] = {"--requeue"};  // not for srun
+    const auto up = "hivectl up " + write(lab, content);
     CHECK(lines_of(lab.shell_done(up)) == 5 + 4);
     CHECK(lab.steps() == all);
     CHECK(lab.processes("n1") == 1);
@@ -120,15 +125,30 @@ TEST_CASE("export as slurm: sbatch brings the swarm up on three nodes, a killed 
         drones[all[i]] = {{"kind", "sleeper"}, {"on", i % 2 == 1 ? "n2" : "n3"}, {"restart", "on-failure"}};
     for (const auto& [name, address] : addresses)
         drones[name]["listen"] = address;
-    const auto options = [](const std::string& more) { return Json{{"slurm", {{"options", {"--mem=0", more}}}}}; };
-    content["engines"] = {{"n1", options("--comment=source")}, {"n2", options("--comment=workers")}};
+    for (const char* name : {"worker-1", "worker-3"})  // on one node
+        drones[name].update({{"cpus", 2}, {"gpus", 1}});
+    const auto options = [](const std::string& more) {
+        return Json{{"slurm", {{"options", {"--mem=0", more}}, {"job", {"--time=60", "--signal=B:TERM@60"}}}}};
+    };
+    const std::string comment = R"(so#u 'r' "c" \ $HOME;)";
+    content["engines"] = {{"n1", options("--comment=" + comment)}, {"n2", options("--comment=workers")}};
     content["engines"]["n3"] = content["engines"]["n2"];
     lab.shell_done("hivectl export --from " + write(lab, content) + " --as slurm --to $HIVE_HOME");
     lab.submit(lab.swarm().home() / "work.sbatch");
     REQUIRE_MESSAGE(eventually([&] { return lab.steps() == all && lab.processes() == 5; }, 90'000ms),
                     lab.swarm().log("sbatch"));
     const auto comments = lab.shell_done("squeue --noheader --format=%N,%k");  // sbatch gives nodes only their options
-    CHECK_MESSAGE(has(comments, "n1,source"), comments);
+    CHECK_MESSAGE(has(comments, "n1," + comment), comments);
+    const auto jobs = lab.shell_done("scontrol show jobs");
+    CHECK_MESSAGE(has(jobs, "TimeLimit=01:00:00"), jobs);
+    // Each has its own, and the others none.
+    const auto given = lab.shell_done("scontrol --oneliner show steps");
+    std::istringstream lines(given);
+    for (std::string line; std::getline(lines, line);)
+        if (has(line, "Name=worker-1 ") || has(line, "Name=worker-3 "))
+            CHECK_MESSAGE((has(line, "TRES=cpu=2,") && has(line, "gres:gpu:1")), line);
+        else
+            CHECK_FALSE_MESSAGE(has(line, "gres:gpu"), line);
     CHECK_MESSAGE(has(comments, "n[2-3],workers"), comments);
     CHECK(lab.processes("n1") == 1);
     CHECK(lab.processes("n2") == 2);
@@ -159,7 +179,8 @@ TEST_CASE("export as slurm: sbatch brings the swarm up on three nodes, a killed 
         30'000ms));
     CHECK(eventually([&] { return lab.steps() == all; }, 10'000ms));
     works();
-    lab.shell_done("scancel --name=work");
+    // As before the time limit: what would otherwise be restarted ends, too.
+    lab.shell_done("scancel --batch --signal=TERM " + lab.job());
     CHECK(eventually([&] { return lab.steps().empty() && lab.processes() == 0; }, 20'000ms));
     CHECK(eventually([&] { return lab.shell_done("squeue --noheader").empty(); }, 20'000ms));
 }

@@ -1,5 +1,6 @@
 // Swarms as units, manifests and scripts: the command lines in them, and what a form cannot say.
 #include "writers/command_lines.hpp"
+#include "writers/needs.hpp"
 #include "writers/yaml.hpp"
 
 #include <hive/protocol/connect_text.hpp>
@@ -166,13 +167,64 @@ TEST_CASE("export: what a form cannot carry is said, and stands in the head of t
     CHECK_EQ(export_notes(plan, "systemd"),
              Notes{python + "it has to be there, seen from the user's home directory", file + "it has to be on m"});
     CHECK_EQ(export_notes(plan, "shell"), Notes{file + "it has to be on m"});
-    CHECK_EQ(export_notes(plan, "compose"), Notes{python + image, file + image});
-    CHECK_EQ(export_notes(plan, "kubernetes").at(2),
-             "c needs /dev/video0, which a pod does not have: add a hostPath volume and privileged: true, or a device "
-             "plugin");
+    CHECK_EQ(export_notes(plan, "compose"),
+             Notes{python + image, "r: runs on the machine of the containers, not on m",
+                   file + "whose folder is mounted: it has to be there, with access for the user of the container"});
+    CHECK_EQ(export_notes(plan, "kubernetes"),
+             Notes{"p and 3 more: restarted after every exit, as with \"restart\": \"always\"", python + image,
+                   file + "whose folder must be on m, where user 65532 needs access",
+                   "c needs /dev/video0, which its privileged container gets from the node, if group 44 has access "
+                   "there; name the node: \"on\""});
     for (const auto& form : export_forms())
         for (const auto& note : export_notes(plan, form))
             CHECK_MESSAGE(has(export_swarm(plan, form).at(0).text, "\n# " + note + ".\n"), form);
+}
+
+TEST_CASE("export: amounts, restarts and other engines that a form cannot carry are said")
+{
+    SwarmPlan plan{.name = "s",
+                   .drones = {{.name = "a",
+                               .kind = "k",
+                               .host = "n1",
+                               .restart = Restart::always,
+                               .listen = "tcp://0.0.0.0:7701",
+                               .key = "/k",
+                               .cpus = 2,
+                               .gpus = 1},
+                              {.name = "b", .kind = "k", .host = "m1", .restart = Restart::always}},
+                   .connections = {},
+                   .engines = {{"n1", {"slurm", Json::object()}}}};
+    using Notes = std::vector<std::string>;
+    CHECK_EQ(export_notes(plan, "slurm"), Notes{"b: left out: the engine ssh starts it on m1"});
+    CHECK_EQ(export_notes(plan, "systemd"), Notes{"a: gpus are not reserved"});
+    CHECK_EQ(export_notes(plan, "kubernetes"),
+             Notes{"a: has the key of the secret, not \"key\"", "a: listens at port 7700 for other containers only"});
+    plan.engines.clear();
+    CHECK_EQ(export_notes(plan, "shell"), Notes{"a and 1 more: never restarted",
+                                                "a: cpus and memory_mib are not limited", "a: gpus are not reserved"});
+    plan.drones[1].set["file"] = "x\n#SBATCH --wrap=id";
+    plan.drones[1].kind = "x\nid.py";
+    for (const auto& form : export_forms())
+        for (const auto& written : export_swarm(plan, form))
+            for (const char* line : {"\n#SBATCH --wrap", "\nid"})
+                CHECK_FALSE_MESSAGE(has(written.text, line), written.text);
+}
+
+TEST_CASE("export: a plan with names, machines or options that would be lines of their own is refused")
+{
+    const auto refuses = [](const auto& change) {
+        for (const auto& form : export_forms()) {
+            auto plan = doorway();
+            plan.engines = {{"gpu*", {"slurm", Json::object()}}};
+            change(plan);
+            CHECK_THROWS_AS_MESSAGE(export_swarm(plan, form), Error, form);
+        }
+    };
+    refuses([](SwarmPlan& plan) { plan.name = "s\nid"; });
+    refuses([](SwarmPlan& plan) { plan.drones[3].name = "s\nid"; });
+    refuses([](SwarmPlan& plan) { plan.drones[3].host = "s\nid"; });
+    refuses([](SwarmPlan& plan) { plan.engines[0].second.settings["partition"] = "p\nid"; });
+    refuses([](SwarmPlan& plan) { plan.engines[0].second.settings["job"] = {"--time=1\nid"}; });
 }
 
 TEST_CASE("export: a form that there is not")
@@ -193,9 +245,55 @@ TEST_CASE("export: units of systemd, a folder for each machine")
     CHECK(has(file_of(files, "gpu1/hive-doorway-face-1.service"), "Restart=on-failure\n"));
     CHECK(has(file_of(files, "gpu1/hive-doorway-face-1.service"), "\nType=notify\n"));
     CHECK(has(file_of(files, "local/hive-doorway-track.service"), "\nRestart=no\n"));
+    CHECK(has(file_of(files, "gpu1/hive-doorway-face-1.service"), "\nAfter=network-online.target\n"));
+    CHECK(has(file_of(files, "gpu1/hive-doorway-face-1.service"), "\nExecStart=/usr/bin/env hive-face --name face-1 "));
     CHECK(has(file_of(files, "local/hive-doorway-track.service"),
               "ExecStart=/opt/hive/bin/hive-track --name track --set \"title=100%% $$HOME \\\"door\\\"\" --halted "
               "--swarm doorway "));
+}
+
+TEST_CASE("export: a unit has limits, and a folder of programs with a space")
+{
+    auto plan = doorway();
+    plan.drones[3].cpus = 2;
+    plan.drones[3].memory_mib = 512;
+    const auto unit =
+        file_of(export_swarm(plan, "systemd", {.programs = "/opt/my $hive%\nx"}), "local/hive-doorway-track.service");
+    CHECK_MESSAGE(has(unit, "\nCPUQuota=200%\nMemoryMax=512M\nExecStart=\"/opt/my $$hive%%\\nx/hive-track\" --name"),
+                  unit);
+}
+
+TEST_CASE("export: folders of the paths in parameters, except those of the system")
+{
+    const auto folder = [](const std::string& path) {
+        const SwarmDrone drone{.set = {{"file", path}}};
+        const auto folders = folders_of(drone);
+        return folders.empty() ? "" : *folders.begin();
+    };
+    CHECK_EQ(folder("/data/run.hive"), "/data");
+    CHECK_EQ(folder("/home/me/runs/x.hive"), "/home/me/runs");
+    for (const char* path : {"/x.hive", "/usr/share/x.xml", "/etc/x", "/tmp/x.hive", "/dev/video0", "run.hive",
+                             "./data/x", "/data/../etc/x", "//usr/lib/x", "", "http://x/y"})
+        CHECK_MESSAGE(folder(path).empty(), path);
+}
+
+TEST_CASE("export: a compose file with devices, folders, and what a drone needs")
+{
+    auto plan = doorway();
+    plan.drones[0].set["certificate"] = "/data/a: \"#$x\ny/cert";
+    plan.drones[1].set = {{"source", "/dev/v4l/by-path/usb-0:1"}};
+    plan.drones[1].cpus = 2;
+    plan.drones[1].memory_mib = 512;
+    plan.drones[1].gpus = 1;
+    const auto text = file_of(export_swarm(plan, "compose"), "compose.yaml");
+    CHECK(has(text,
+              "    devices: [\"/dev/video0:/dev/video0\"]\n    group_add: [\"video\"]\n    volumes:\n      - type: "
+              "\"bind\"\n        source: \"/data/a: \\\"#$$x\\ny\"\n"));
+    CHECK(has(text, "    cpus: 2\n    mem_limit: \"512m\"\n"));
+    CHECK(has(text, "          devices:\n            - driver: \"nvidia\"\n              count: 1\n              "
+                    "capabilities: [\"gpu\"]\n"));
+    CHECK_FALSE(has(text, "by-path/usb-0:1:"));
+    CHECK(has(text, "# face-1 needs /dev/v4l/by-path/usb-0:1, which compose cannot map: use a path without ':'.\n"));
 }
 
 TEST_CASE("export: a compose file has the devices, and the key unless nobody needs it")
@@ -217,13 +315,16 @@ TEST_CASE("export: containers with one that Prometheus scrapes")
     plan.drones.resize(1);
     plan.connections.clear();
     const ExportOptions with_metrics{.metrics = true};
-    const std::string command = R"(command: ["hivectl","metrics","--http","0.0.0.0:9464","--insecure",)"
-                                R"("--place","camera=tcp://camera:7700"])";
+    const auto command = [](const std::string& host) {
+        return R"(command: ["hivectl","metrics","--http","0.0.0.0:9464","--insecure","--place","camera=tcp://)" + host
+               + ":7700\"]";
+    };
     const auto compose = file_of(export_swarm(plan, "compose", with_metrics), "compose.yaml");
-    CHECK(has(compose,
-              "  hive-metrics:\n    image: \"hive:latest\"\n    " + command + "\n    restart: \"always\"\n    user:"));
+    CHECK(has(compose, "  hive-metrics:\n    image: \"hive:latest\"\n    " + command("camera")
+                           + "\n    restart: \"always\"\n    user:"));
     const auto manifests = file_of(export_swarm(plan, "kubernetes", with_metrics), "doorway.yaml");
-    CHECK(has(manifests, command));
+    CHECK(has(manifests, command("doorway-camera")));
+    CHECK(has(manifests, "name: \"doorway-hive-metrics\""));
     CHECK(
         has(manifests, "annotations:\n        prometheus.io/scrape: \"true\"\n        prometheus.io/port: \"9464\"\n"));
     CHECK(has(manifests, "containerPort: 9464"));
@@ -241,15 +342,55 @@ TEST_CASE("export: manifests of Kubernetes, with names that it takes")
     plan.connections[0].options.group = plan.connections[1].options.group = "Door_Cam";
     const auto files = export_swarm(plan, "kubernetes");
     const auto text = file_of(files, "doorway.yaml");
-    CHECK(has(text, "kind: \"Service\"\nmetadata:\n  name: \"door-cam\"\n"));
-    CHECK(has(text, "image=door-cam.image,at=tcp://door-cam:7700,window=2,group=door-cam,lease=1.5"));
+    CHECK(has(text, "kind: \"Service\"\nmetadata:\n  name: \"doorway-door-cam\"\n"));
+    CHECK(has(text, "image=Door_Cam.image,at=tcp://doorway-door-cam:7700,window=2,group=Door_Cam,lease=1.5"));
     CHECK(has(text, "kind: \"Deployment\""));
-    CHECK(has(text, "restartPolicy: \"OnFailure\""));
+    CHECK_FALSE(has(text, "kind: \"Job\""));  // its template cannot change
     CHECK(has(text, "kubernetes.io/hostname: \"gpu1\""));
-    plan.drones[3].name = "door.cam";
-    CHECK_THROWS_WITH_AS(export_swarm(plan, "kubernetes"), "two drones would be called door-cam in Kubernetes", Error);
+    plan.connections.pop_back();
     plan.drones[3].name = "7th";
+    CHECK(has(file_of(export_swarm(plan, "kubernetes"), "doorway.yaml"), "name: \"doorway-7th\""));
+    plan.drones[3].name = "door.cam";
+    CHECK_THROWS_WITH_AS(export_swarm(plan, "kubernetes"), "two drones would be called doorway-door-cam in Kubernetes",
+                         Error);
+    plan.drones[3].name = std::string(45, 'x');
     CHECK_THROWS_AS(export_swarm(plan, "kubernetes"), Error);
+    plan.drones[3].name = "track";
+    plan.name = "7";
+    CHECK_THROWS_AS(export_swarm(plan, "kubernetes"), Error);
+}
+
+TEST_CASE("export: a pod has its swarm's key, no rights, and what the drone needs")
+{
+    auto plan = doorway();
+    plan.drones[1].set["file"] = "/data/#$x\n: y/run.hive";
+    plan.drones[3].set["file"] = "/runs/run.hive";
+    plan.drones[3].cpus = 2;
+    plan.drones[3].memory_mib = 512;
+    plan.drones[3].gpus = 1;
+    const auto files = export_swarm(plan, "kubernetes");
+    const auto all = file_of(files, "doorway.yaml");
+    const auto kustomization = file_of(files, "kustomization.yaml");
+    CHECK(has(kustomization, "secretGenerator:\n  - name: \"doorway-key\"\n"));
+    CHECK_FALSE(has(kustomization, "disableNameSuffixHash"));  // a new key gives new pods
+    CHECK(has(all, "secret:\n            secretName: \"doorway-key\"\n            defaultMode: 288\n"));  // 0440
+    CHECK(has(all, "runAsNonRoot: true\n"));
+    CHECK(has(all, "fsGroup: 65532\n"));
+    CHECK(has(all, "readinessProbe:\n"));
+
+    const auto camera = all.substr(0, all.find("name: \"doorway-face-1\""));
+    CHECK(has(camera, "privileged: true\n"));
+    CHECK(has(camera, "supplementalGroups: [44]\n"));
+    CHECK(has(camera, "hostPath:\n            path: \"/dev/video0\"\n            type: \"CharDevice\"\n"));
+    const auto face = all.substr(all.find("name: \"doorway-face-1\""));
+    CHECK(has(face, "hostPath:\n            path: \"/data/#$x\\n: y\"\n            type: \"Directory\"\n"));
+    const auto track = all.substr(all.find("kind: \"StatefulSet\""));
+    CHECK(has(track, "mountPath: \"/runs\"\n"));
+    CHECK(has(track, "volumeClaimTemplates:\n    - metadata:\n        name: \"data-0\"\n"));
+    CHECK(has(track,
+              "limits:\n              cpu: \"2\"\n              memory: \"512Mi\"\n              nvidia.com/gpu: "
+              "\"1\"\n"));
+    CHECK(has(track, "capabilities:\n              drop: [\"ALL\"]\n"));
 }
 
 TEST_CASE("export: a script for sbatch has the steps of the machines that Slurm has")
@@ -257,9 +398,36 @@ TEST_CASE("export: a script for sbatch has the steps of the machines that Slurm 
     const auto text = file_of(export_swarm(doorway(), "slurm"), "doorway.sbatch");
     CHECK(has(text, "#SBATCH --job-name=doorway\n#SBATCH --partition=gpu\n#SBATCH --gres=gpu:1\n#SBATCH "
                     "--nodes=1\n#SBATCH --nodelist=gpu1\n"));
-    CHECK(has(text, "HIVE_HOME=$home-gpu1 keep on-failure srun --nodes=1 --ntasks=1 --overlap --job-name=face-1 "
-                    "--nodelist=gpu1 hive-face "));
+    CHECK(has(text, "HIVE_HOME=$home-gpu1 keep on-failure srun --nodes=1 --ntasks=1 --job-name=face-1 "
+                    "--nodelist=gpu1 --overlap hive-face "));
     CHECK_FALSE(has(text, "hive-camera"));
+    CHECK(has(text, "# camera: left out: the engine ssh starts it on user@cam1.\n"));
+}
+
+TEST_CASE("export: a script for sbatch requests what the drones need, and gives it to their steps")
+{
+    auto plan = doorway();
+    plan.engines = {{"gpu*", {"slurm", {{"options", {"--comment=a #b'$x\""}}, {"job", {"--time=60", "--requeue"}}}}},
+                    {"cam1", {"slurm", {{"partition", "cameras"}}}}};
+    plan.drones[0].host = "cam1";
+    plan.drones[1].cpus = 2;
+    plan.drones[1].memory_mib = 512;
+    plan.drones[1].gpus = 1;
+    const auto text = file_of(export_swarm(plan, "slurm"), "doorway.sbatch");
+    CHECK_MESSAGE(has(text, "#SBATCH --partition=cameras\n#SBATCH --nodes=1\n#SBATCH --nodelist=cam1\n#SBATCH hetjob\n"
+                            "#SBATCH --ntasks-per-node=1\n#SBATCH --cpus-per-task=3\n#SBATCH --mem=0\n"
+                            "#SBATCH --gres=gpu:1\n#SBATCH \"--comment=a #b'$x\\\"\"\n#SBATCH --time=60\n"
+                            "#SBATCH --requeue\n#SBATCH --nodes=1\n"),
+                  text);
+    CHECK_MESSAGE(has(text, "--job-name=face-1 --het-group=1 --nodelist=gpu1 --exact --cpus-per-task=2 --mem=512M "
+                            "--gres=gpu:1 hive-face "),
+                  text);
+    CHECK_MESSAGE(has(text, "--job-name=face-2 --het-group=1 --nodelist=gpu1 --overlap --gres=none hive-face "), text);
+    CHECK_MESSAGE(has(text, "--job-name=camera --het-group=0 --nodelist=cam1 --overlap hive-camera "), text);
+    plan.drones[2].memory_mib = 256;
+    plan.drones[2].gpus = 1;
+    const auto more = file_of(export_swarm(plan, "slurm"), "doorway.sbatch");
+    CHECK(has(more, "#SBATCH --mem=768M\n#SBATCH --gres=gpu:2\n"));
 }
 
 TEST_CASE("export: a script of hivectl")

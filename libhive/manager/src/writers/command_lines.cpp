@@ -48,7 +48,8 @@ std::string shell_word(const std::string& word)
 
 std::string machine_name(const std::string& host) { return host.substr(host.rfind('@') + 1); }
 
-CommandLines::CommandLines(const SwarmPlan& plan, Machines machines) : machines_(machines), plan_(plan)
+CommandLines::CommandLines(const SwarmPlan& plan, Machines machines, std::map<std::string, std::string> hosts)
+    : machines_(machines), plan_(plan), hosts_(std::move(hosts))
 {
     for (const auto& drone : plan.drones)
         drones_[drone.name] = &drone;
@@ -105,8 +106,10 @@ std::string CommandLines::listening(const SwarmDrone& drone) const
 
 std::string CommandLines::advertised(const SwarmDrone& drone) const
 {
-    if (machines_ == Machines::one_each)
-        return "tcp://" + drone.name + ":" + std::to_string(only_port);
+    if (machines_ == Machines::one_each) {
+        const auto host = hosts_.find(drone.name);
+        return "tcp://" + (host == hosts_.end() ? drone.name : host->second) + ":" + std::to_string(only_port);
+    }
     if (drone.advertise.empty())
         return {};
     auto address = transport::listen_address(drone.advertise);

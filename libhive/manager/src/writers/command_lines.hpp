@@ -15,10 +15,11 @@ class CommandLines {
 public:
     enum class Machines {
         as_planned,  ///< drones connect in the home of one machine, and at ports between machines
-        one_each     ///< each drone has its own machine with the drone's name: a container
+        one_each     ///< each drone has its own machine: a container
     };
     /// The plan must outlive this object. Throws Errc::invalid_argument if it leaves no port free.
-    CommandLines(const SwarmPlan& plan, Machines machines);
+    /// @param hosts  host names of the containers, by drone; a drone that is missing here has its own name
+    CommandLines(const SwarmPlan& plan, Machines machines, std::map<std::string, std::string> hosts = {});
 
     /// The command line of one drone, its program first: "hive-face", or "python3" and the arguments for a Python file.
     /// Throws Errc::invalid_argument if an output is unknown, or another machine cannot reach a sender.
@@ -43,6 +44,7 @@ private:
 
     Machines machines_;
     const SwarmPlan& plan_;
+    std::map<std::string, std::string> hosts_;
     std::map<std::string, const SwarmDrone*> drones_;
     std::map<std::string, std::vector<const SwarmConnection*>> received_;  ///< by receiver
     std::map<std::string, std::uint16_t> ports_;                           ///< of drones on the network

@@ -1,5 +1,6 @@
 // A compose file: a container for each drone, on one machine.
 #include "command_lines.hpp"
+#include "needs.hpp"
 #include "writer.hpp"
 #include "yaml.hpp"
 
@@ -44,9 +45,21 @@ OrderedJson container_of(const std::vector<std::string>& words, Restart restart,
 OrderedJson compose_service(const SwarmDrone& drone, const CommandLines& lines, const ExportOptions& options)
 {
     auto service = container_of(lines.of(drone), drone.restart, !drone.insecure, options);
-    for (const auto& [name, value] : drone.set.items())
-        if (value.is_string() && value.get<std::string>().starts_with("/dev/"))
-            service["devices"].push_back(compose_word(value.get<std::string>() + ":" + value.get<std::string>()));
+    for (const auto& device : devices_of(drone))
+        if (device.find(':') == std::string::npos)  // separates the two paths
+            service["devices"].push_back(compose_word(device + ":" + device));
+    if (service.contains("devices"))
+        service["group_add"] = {"video"};
+    for (const auto& folder : folders_of(drone))
+        service["volumes"].push_back(
+            {{"type", "bind"}, {"source", compose_word(folder)}, {"target", compose_word(folder)}});
+    if (drone.cpus > 0)
+        service["cpus"] = drone.cpus;
+    if (drone.memory_mib > 0)
+        service["mem_limit"] = std::to_string(drone.memory_mib) + "m";
+    if (drone.gpus > 0)
+        service["deploy"]["resources"]["reservations"]["devices"] = {
+            {{"driver", "nvidia"}, {"count", drone.gpus}, {"capabilities", {"gpu"}}}};
     service["healthcheck"] = {{"test", {"CMD", "hivectl", "wait", drone.name, "--timeout", "5"}},
                               {"interval", "10s"},
                               {"timeout", "6s"},

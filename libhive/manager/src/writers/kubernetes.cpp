@@ -1,13 +1,19 @@
 // Writes for each drone a workload and a Service, by whose name others reach it; the key is a Secret.
 #include "command_lines.hpp"
+#include "needs.hpp"
 #include "writer.hpp"
 #include "yaml.hpp"
 
 #include <algorithm>
+#include <map>
 #include <set>
 
 namespace hive {
 namespace {
+
+constexpr int user = 65532;          ///< any but root
+constexpr int video_group = 44;      ///< of the devices, in Debian and Ubuntu
+constexpr std::size_t longest = 52;  ///< names of StatefulSets become labels with a suffix
 
 /// Kubernetes names have lower-case letters, digits and hyphens.
 std::string label_of(const std::string& name)
@@ -20,34 +26,60 @@ std::string label_of(const std::string& name)
     return label;
 }
 
-/// The plan with names valid in Kubernetes; the drones get these names too.
-SwarmPlan relabelled(SwarmPlan plan)
+/// Object names by drone: several swarms can share a namespace.
+std::map<std::string, std::string> object_names(const SwarmPlan& plan)
 {
-    std::set<std::string> labels;
-    plan.name = label_of(plan.name);
-    for (auto& drone : plan.drones) {
-        drone.name = label_of(drone.name);
-        const bool letter_first = drone.name.front() >= 'a' && drone.name.front() <= 'z';
-        if (!letter_first || drone.name.size() > 63)
-            throw Error(Errc::invalid_argument, drone.name + " is not a valid Service name",
-                        "start with a letter; use at most 63 characters");
-        if (!labels.insert(drone.name).second)
-            throw Error(Errc::invalid_argument, "two drones would be called " + drone.name + " in Kubernetes",
+    const auto swarm = label_of(plan.name);
+    std::map<std::string, std::string> names{{CommandLines::metrics_name, swarm + "-" + CommandLines::metrics_name}};
+    std::set<std::string> taken;
+    for (const auto& drone : plan.drones) {
+        const auto name = names[drone.name] = swarm + "-" + label_of(drone.name);
+        if (name.front() < 'a' || name.size() > longest)
+            throw Error(Errc::invalid_argument, name + " is not a valid Service name",
+                        "start the name of the swarm with a letter; use at most 52 characters");
+        if (!taken.insert(name).second)
+            throw Error(Errc::invalid_argument, "two drones would be called " + name + " in Kubernetes",
                         "they must differ in more than upper case, '_' and '.'");
     }
-    for (auto& connection : plan.connections) {
-        if (connection.options.group == connection.from.drone)
-            connection.options.group = label_of(connection.from.drone);
-        connection.from.drone = label_of(connection.from.drone);
-        connection.to.drone = label_of(connection.to.drone);
-    }
-    return plan;
+    return names;
 }
 
-OrderedJson labels_of(const SwarmPlan& plan, const SwarmDrone& drone)
-{
-    return {{"app.kubernetes.io/part-of", plan.name}, {"app.kubernetes.io/name", drone.name}};
-}
+/// Writes the manifests of one swarm.
+class Manifests {
+public:
+    Manifests(const SwarmPlan& plan, const ExportOptions& options)
+        : plan_(plan),
+          options_(options),
+          swarm_(label_of(plan.name)),
+          names_(object_names(plan)),
+          lines_(plan, CommandLines::Machines::one_each, names_)
+    {
+    }
+    [[nodiscard]] ExportedFiles files() const;
+
+private:
+    [[nodiscard]] OrderedJson metadata(const SwarmDrone& drone) const
+    {
+        return {{"name", names_.at(drone.name)}, {"labels", labels(drone)}};
+    }
+    [[nodiscard]] OrderedJson labels(const SwarmDrone& drone) const
+    {
+        return {{"app.kubernetes.io/part-of", swarm_}, {"app.kubernetes.io/name", label_of(drone.name)}};
+    }
+    [[nodiscard]] OrderedJson container(const SwarmDrone& drone, const std::vector<std::string>& words, int port) const;
+    [[nodiscard]] OrderedJson drone_container(const SwarmDrone& drone) const;
+    [[nodiscard]] OrderedJson pod(const SwarmDrone& drone, OrderedJson one) const;
+    [[nodiscard]] OrderedJson workload(const SwarmDrone& drone, OrderedJson one) const;
+    [[nodiscard]] OrderedJson service(const SwarmDrone& drone) const;
+    [[nodiscard]] OrderedJson metrics() const;
+    [[nodiscard]] std::string key() const { return swarm_ + "-key"; }
+
+    const SwarmPlan& plan_;
+    const ExportOptions& options_;
+    std::string swarm_;
+    std::map<std::string, std::string> names_;
+    CommandLines lines_;
+};
 
 OrderedJson probe(const SwarmDrone& drone, int period_s)
 {
@@ -56,9 +88,72 @@ OrderedJson probe(const SwarmDrone& drone, int period_s)
             {"timeoutSeconds", 6}};
 }
 
-OrderedJson container(const std::vector<std::string>& words, int port, bool key, const ExportOptions& options)
+std::string volume_name(std::size_t number) { return "data-" + std::to_string(number); }
+
+/// A folder of the node that the file names; otherwise a claim, which a StatefulSet keeps.
+bool has_claims(const SwarmDrone& drone) { return drone.host == Place::here && !folders_of(drone).empty(); }
+
+OrderedJson volume_mounts(const SwarmDrone& drone)
 {
-    OrderedJson result{{"name", "drone"}, {"image", options.image}, {"command", OrderedJson::array()}};
+    auto mounts = OrderedJson::array();
+    for (const auto& folder : folders_of(drone))
+        mounts.push_back({{"name", volume_name(mounts.size())}, {"mountPath", folder}});
+    for (const auto& device : devices_of(drone))
+        mounts.push_back({{"name", volume_name(mounts.size())}, {"mountPath", device}});
+    if (!drone.insecure)
+        mounts.push_back({{"name", "key"}, {"mountPath", "/etc/hive"}, {"readOnly", true}});
+    return mounts;
+}
+
+/// Everything that is mounted except claims.
+OrderedJson volumes(const SwarmDrone& drone, const std::string& key)
+{
+    auto volumes = OrderedJson::array();
+    std::size_t number = 0;
+    const auto add = [&](const std::string& path, const char* type) {
+        volumes.push_back({{"name", volume_name(number)}, {"hostPath", {{"path", path}, {"type", type}}}});
+    };
+    for (const auto& folder : folders_of(drone)) {
+        if (!has_claims(drone))
+            add(folder, "Directory");
+        ++number;
+    }
+    for (const auto& device : devices_of(drone)) {
+        add(device, "CharDevice");
+        ++number;
+    }
+    if (!drone.insecure)  // readable by fsGroup alone: the files belong to root
+        volumes.push_back({{"name", "key"}, {"secret", {{"secretName", key}, {"defaultMode", 0440}}}});
+    return volumes;
+}
+
+OrderedJson claims(const SwarmDrone& drone)
+{
+    auto claims = OrderedJson::array();
+    for (std::size_t i = 0; i < folders_of(drone).size(); ++i)
+        claims.push_back(
+            {{"metadata", {{"name", volume_name(i)}}},
+             {"spec", {{"accessModes", {"ReadWriteOnce"}}, {"resources", {{"requests", {{"storage", "10Gi"}}}}}}}});
+    return claims;
+}
+
+/// The amounts of the file are requested, and are limits; otherwise a little is requested.
+OrderedJson resources(const SwarmDrone& drone)
+{
+    OrderedJson resources{{"requests", {{"cpu", "250m"}, {"memory", "128Mi"}}}};
+    const auto say = [&](const char* name, int amount, const char* unit) {
+        if (amount > 0)
+            resources["requests"][name] = resources["limits"][name] = std::to_string(amount) + unit;
+    };
+    say("cpu", drone.cpus, "");
+    say("memory", drone.memory_mib, "Mi");
+    say("nvidia.com/gpu", drone.gpus, "");
+    return resources;
+}
+
+OrderedJson Manifests::container(const SwarmDrone& drone, const std::vector<std::string>& words, int port) const
+{
+    OrderedJson result{{"name", "drone"}, {"image", options_.image}, {"command", OrderedJson::array()}};
     for (const auto& word : words) {
         std::string text;
         for (const char c : word)
@@ -66,63 +161,72 @@ OrderedJson container(const std::vector<std::string>& words, int port, bool key,
         result["command"].push_back(text);
     }
     result["ports"] = {{{"name", "hive"}, {"containerPort", port}}};
-    if (key) {
+    if (!drone.insecure)
         result["env"] = {{{"name", "HIVE_KEY"}, {"value", "/etc/hive/swarm.key"}}};
-        result["volumeMounts"] = {{{"name", "key"}, {"mountPath", "/etc/hive"}, {"readOnly", true}}};
-    }
+    if (auto mounts = volume_mounts(drone); !mounts.empty())
+        result["volumeMounts"] = std::move(mounts);
+    if (devices_of(drone).empty())
+        result["securityContext"] = {{"allowPrivilegeEscalation", false}, {"capabilities", {{"drop", {"ALL"}}}}};
+    else
+        result["securityContext"] = {{"privileged", true}};  // no other container may open devices of the node
     return result;
 }
 
-OrderedJson drone_container(const SwarmDrone& drone, const CommandLines& lines, const ExportOptions& options)
+OrderedJson Manifests::drone_container(const SwarmDrone& drone) const
 {
-    auto result = container(lines.of(drone), CommandLines::only_port, !drone.insecure, options);
+    auto result = container(drone, lines_.of(drone), CommandLines::only_port);
     result["startupProbe"] = probe(drone, 2);
     result["startupProbe"]["failureThreshold"] = 30;
-    result["livenessProbe"] = probe(drone, 10);
-    result["resources"] = {{"requests", {{"cpu", "250m"}, {"memory", "128Mi"}}}};
+    result["readinessProbe"] = result["livenessProbe"] = probe(drone, 10);
+    result["resources"] = resources(drone);
     return result;
 }
 
-OrderedJson pod(const SwarmPlan& plan, const SwarmDrone& drone, OrderedJson one)
+OrderedJson Manifests::pod(const SwarmDrone& drone, OrderedJson one) const
 {
-    OrderedJson spec;
-    if (drone.restart != Restart::always)
-        spec["restartPolicy"] = drone.restart == Restart::never ? "Never" : "OnFailure";
+    OrderedJson spec{{"securityContext",
+                      {{"runAsNonRoot", true},
+                       {"runAsUser", user},
+                       {"runAsGroup", user},
+                       {"fsGroup", user},
+                       {"seccompProfile", {{"type", "RuntimeDefault"}}}}}};
+    if (!devices_of(drone).empty())
+        spec["securityContext"]["supplementalGroups"] = {video_group};
     if (drone.host != Place::here)
         spec["nodeSelector"] = {{"kubernetes.io/hostname", machine_name(drone.host)}};
     spec["containers"] = OrderedJson::array({std::move(one)});
-    if (!drone.insecure)
-        spec["volumes"] = {{{"name", "key"}, {"secret", {{"secretName", "hive-key"}, {"defaultMode", 256}}}}};  // 0400
-    return {{"metadata", {{"labels", labels_of(plan, drone)}}}, {"spec", std::move(spec)}};
+    if (auto all = volumes(drone, key()); !all.empty())
+        spec["volumes"] = std::move(all);
+    return {{"metadata", {{"labels", labels(drone)}}}, {"spec", std::move(spec)}};
 }
 
-/// A drone with `restart: always` becomes a Deployment, any other a Job.
-OrderedJson workload(const SwarmPlan& plan, const SwarmDrone& drone, OrderedJson one)
+/// A Job would refuse another template, so a changed file could not be applied.
+OrderedJson Manifests::workload(const SwarmDrone& drone, OrderedJson one) const
 {
-    const OrderedJson metadata{{"name", drone.name}, {"labels", labels_of(plan, drone)}};
-    auto the_pod = pod(plan, drone, std::move(one));
-    if (drone.restart == Restart::always)
-        return {{"apiVersion", "apps/v1"},
-                {"kind", "Deployment"},
-                {"metadata", metadata},
-                {"spec",
-                 {{"replicas", 1},
-                  {"strategy", {{"type", "Recreate"}}},
-                  {"selector", {{"matchLabels", labels_of(plan, drone)}}},
-                  {"template", std::move(the_pod)}}}};
-    const int tries = drone.restart == Restart::never ? 0 : 1'000'000;
-    return {{"apiVersion", "batch/v1"},
-            {"kind", "Job"},
-            {"metadata", metadata},
-            {"spec", {{"backoffLimit", tries}, {"template", std::move(the_pod)}}}};
+    const bool keeps = has_claims(drone);
+    OrderedJson spec{
+        {"replicas", 1}, {"selector", {{"matchLabels", labels(drone)}}}, {"template", pod(drone, std::move(one))}};
+    if (keeps) {
+        spec["serviceName"] = names_.at(drone.name);
+        spec["volumeClaimTemplates"] = claims(drone);
+    } else {
+        spec["strategy"] = {{"type", "Recreate"}};  // a name is only for one
+    }
+    return {{"apiVersion", "apps/v1"},
+            {"kind", keeps ? "StatefulSet" : "Deployment"},
+            {"metadata", metadata(drone)},
+            {"spec", std::move(spec)}};
 }
 
 /// A Deployment, which Prometheus finds by the annotations of its pod.
-OrderedJson metrics_workload(const SwarmPlan& plan, const CommandLines& lines, const ExportOptions& options)
+OrderedJson Manifests::metrics() const
 {
-    const bool insecure = std::ranges::all_of(plan.drones, &SwarmDrone::insecure);
-    const SwarmDrone server{.name = CommandLines::metrics_name, .restart = Restart::always, .insecure = insecure};
-    auto result = workload(plan, server, container(lines.metrics(), CommandLines::metrics_port, !insecure, options));
+    const bool insecure = std::ranges::all_of(plan_.drones, &SwarmDrone::insecure);
+    const SwarmDrone server{.name = CommandLines::metrics_name, .insecure = insecure};
+    auto one = container(server, lines_.metrics(), CommandLines::metrics_port);
+    one["readinessProbe"] = {{"tcpSocket", {{"port", "hive"}}}};
+    one["resources"] = resources(server);
+    auto result = workload(server, std::move(one));
     result["spec"]["template"]["metadata"]["annotations"] = {
         {"prometheus.io/scrape", "true"},
         {"prometheus.io/port", std::to_string(CommandLines::metrics_port)},
@@ -130,39 +234,43 @@ OrderedJson metrics_workload(const SwarmPlan& plan, const CommandLines& lines, c
     return result;
 }
 
-OrderedJson service_of(const SwarmPlan& plan, const SwarmDrone& drone)
+OrderedJson Manifests::service(const SwarmDrone& drone) const
 {
     return {{"apiVersion", "v1"},
             {"kind", "Service"},
-            {"metadata", {{"name", drone.name}, {"labels", labels_of(plan, drone)}}},
+            {"metadata", metadata(drone)},
             {"spec",
-             {{"selector", labels_of(plan, drone)},
+             {{"selector", labels(drone)},
               {"ports", {{{"name", "hive"}, {"port", CommandLines::only_port}, {"targetPort", "hive"}}}}}}};
+}
+
+ExportedFiles Manifests::files() const
+{
+    OrderedJson kustomization{{"apiVersion", "kustomize.config.k8s.io/v1beta1"},
+                              {"kind", "Kustomization"},
+                              {"resources", {swarm_ + ".yaml"}}};
+    std::string head = "# The swarm " + plan_.name + ", a pod for each drone. Start it:\n";
+    if (std::ranges::any_of(plan_.drones, [](const SwarmDrone& drone) { return !drone.insecure; })) {
+        // kustomize adds a hash of the key to the name, so that pods are replaced when the key changes.
+        kustomization["secretGenerator"] = {{{"name", key()},
+                                             {"files", {"swarm.key"}},
+                                             {"options", {{"labels", {{"app.kubernetes.io/part-of", swarm_}}}}}}};
+        head += "#   cp ~/.config/hive/swarm.key .\n";
+    }
+    std::string manifests;
+    for (const auto& drone : plan_.drones)
+        manifests += "---\n" + yaml_text(service(drone)) + "---\n" + yaml_text(workload(drone, drone_container(drone)));
+    if (options_.metrics)
+        manifests += "---\n" + yaml_text(metrics());
+    return {{"kustomization.yaml", head + "#   kubectl apply -k .\n" + yaml_text(kustomization)},
+            {swarm_ + ".yaml", manifests}};
 }
 
 }  // namespace
 
-ExportedFiles write_kubernetes(const SwarmPlan& given, const ExportOptions& options)
+ExportedFiles write_kubernetes(const SwarmPlan& plan, const ExportOptions& options)
 {
-    const auto plan = relabelled(given);
-    const CommandLines lines(plan, CommandLines::Machines::one_each);
-    OrderedJson kustomization{{"apiVersion", "kustomize.config.k8s.io/v1beta1"},
-                              {"kind", "Kustomization"},
-                              {"resources", {plan.name + ".yaml"}}};
-    std::string head = "# The swarm " + plan.name + ", a pod for each drone. Start it:\n";
-    if (std::ranges::any_of(plan.drones, [](const SwarmDrone& drone) { return !drone.insecure; })) {
-        kustomization["secretGenerator"] = {{{"name", "hive-key"}, {"files", {"swarm.key"}}}};
-        kustomization["generatorOptions"] = {{"disableNameSuffixHash", true}};
-        head += "#   cp ~/.config/hive/swarm.key .\n";
-    }
-    std::string manifests;
-    for (const auto& drone : plan.drones)
-        manifests += "---\n" + yaml_text(service_of(plan, drone)) + "---\n"
-                     + yaml_text(workload(plan, drone, drone_container(drone, lines, options)));
-    if (options.metrics)
-        manifests += "---\n" + yaml_text(metrics_workload(plan, lines, options));
-    return {{"kustomization.yaml", head + "#   kubectl apply -k .\n" + yaml_text(kustomization)},
-            {plan.name + ".yaml", manifests}};
+    return Manifests(plan, options).files();
 }
 
 }  // namespace hive

@@ -1,4 +1,7 @@
-// Lists what drones need and no form contains: Python files, files that they read or write, devices.
+// Lists what drones need and no form contains (Python files, files that they read or write, devices), and what a form
+// cannot carry.
+#include "needs.hpp"
+
 #include <hive/printable.hpp>
 #include <hive/program.hpp>
 #include <hive/swarm_export.hpp>
@@ -20,17 +23,39 @@ bool is_file(const std::string& text)
     return begins("/") || begins("./") || begins("../") || begins("~/") || fs::is_regular_file(text, ignored);
 }
 
-bool in_containers(std::string_view form) { return form == "compose" || form == "kubernetes"; }
+std::set<std::string> texts_of(const SwarmDrone& drone)
+{
+    std::set<std::string> texts;
+    for (const auto& [name, value] : drone.set.items())
+        if (value.is_string())
+            texts.insert(value.get<std::string>());
+    return texts;
+}
+
+/// The same in a pod. Folders of a node are mounted; without a node, a claim is.
+std::string lack_in_pod(const SwarmDrone& drone, const std::string& thing)
+{
+    if (is_device(thing))
+        return std::string("which its privileged container gets from the node, if group 44 has access there")
+               + (drone.host == Place::here ? "; name the node: \"on\"" : "");
+    if (folder_of(thing).empty())
+        return "which is not in the image: add it there, or as a volume";
+    if (drone.host == Place::here)
+        return "whose folder is a claim, empty at first, that the swarm's deletion keeps";
+    return "whose folder must be on " + drone.host + ", where user 65532 needs access";
+}
 
 /// What is missing where the form runs the drone, and the remedy; empty: nothing.
 std::string lack_of(const SwarmDrone& drone, const std::string& thing, std::string_view form)
 {
+    if (form == "kubernetes")
+        return lack_in_pod(drone, thing);
     if (form == "compose" && is_device(thing))
-        return {};  // it is in the file
-    if (in_containers(form))
-        return is_device(thing) ? "which a pod does not have: add a hostPath volume and privileged: true, or a device "
-                                  "plugin"
-                                : "which is not in the image: add it there, or as a volume";
+        return thing.find(':') == std::string::npos ? "" : "which compose cannot map: use a path without ':'";
+    if (form == "compose" && folder_of(thing).empty())
+        return "which is not in the image: add it there, or as a volume";
+    if (form == "compose")
+        return "whose folder is mounted: it has to be there, with access for the user of the container";
     if (is_device(thing) || (drone.host == Place::here && (form == "shell" || thing.starts_with("/"))))
         return {};
     const std::string there = drone.host == Place::here ? "it has to be there" : "it has to be on " + drone.host;
@@ -39,14 +64,38 @@ std::string lack_of(const SwarmDrone& drone, const std::string& thing, std::stri
     return there + ", seen from " + (form == "systemd" ? "the user's home directory" : "where the script is called");
 }
 
+/// What the file says about the drone and the form does not do, one clause each.
+std::vector<std::string> lost_of(const SwarmPlan& plan, const SwarmDrone& drone, std::string_view form)
+{
+    std::vector<std::string> lost;
+    const auto engine = plan.engine_of(drone.host).name;
+    if (form == "slurm" && engine != "slurm"
+        && std::ranges::any_of(plan.drones, [&](const auto& one) { return plan.engine_of(one.host).name == "slurm"; }))
+        lost.push_back("left out: the engine " + engine + " starts it on " + drone.host);
+    if (form == "compose" && drone.host != Place::here)
+        lost.push_back("runs on the machine of the containers, not on " + drone.host);
+    if ((form == "compose" || form == "kubernetes") && !drone.key.empty())
+        lost.emplace_back("has the key of the secret, not \"key\"");
+    if ((form == "compose" || form == "kubernetes") && (!drone.listen.empty() || !drone.advertise.empty()))
+        lost.emplace_back("listens at port 7700 for other containers only");
+    if (form == "kubernetes" && drone.restart != Restart::always)
+        lost.emplace_back("restarted after every exit, as with \"restart\": \"always\"");
+    if (form == "shell" && drone.restart != Restart::never)
+        lost.emplace_back("never restarted");
+    if (form == "shell" && (drone.cpus > 0 || drone.memory_mib > 0))
+        lost.emplace_back("cpus and memory_mib are not limited");
+    if ((form == "shell" || form == "systemd") && drone.gpus > 0)
+        lost.emplace_back("gpus are not reserved");
+    return lost;
+}
+
 struct Need {
-    std::string thing, lack;
+    std::string thing, lack;  ///< no thing: the lack is a clause about the drones
     std::vector<std::string> drones;
 };
 
-void add(std::vector<Need>& needs, const SwarmDrone& drone, const std::string& thing, std::string_view form)
+void add(std::vector<Need>& needs, const SwarmDrone& drone, const std::string& thing, const std::string& lack)
 {
-    const auto lack = lack_of(drone, thing, form);
     if (lack.empty())
         return;
     const auto same =
@@ -60,21 +109,56 @@ void add(std::vector<Need>& needs, const SwarmDrone& drone, const std::string& t
 std::string text_of(const Need& need)
 {
     const auto others = need.drones.size() - 1;
-    return printable(need.drones.front() + (others == 0 ? " needs " : " and " + std::to_string(others) + " more need ")
-                     + need.thing + ", " + need.lack);
+    const auto drones =
+        need.drones.front() + (others == 0 ? std::string() : " and " + std::to_string(others) + " more");
+    if (need.thing.empty())
+        return printable(drones + ": " + need.lack);
+    return printable(drones + (others == 0 ? " needs " : " need ") + need.thing + ", " + need.lack);
 }
 
 }  // namespace
+
+std::string folder_of(const std::string& path)
+{
+    static const std::set<std::string> of_system{"",     "bin", "boot", "dev", "etc", "lib", "lib64",
+                                                 "proc", "run", "sbin", "sys", "tmp", "usr"};
+    const fs::path folder = fs::path(path).parent_path(), inner = folder.relative_path();
+    const auto top = inner.empty() ? std::string() : inner.begin()->string();
+    if (!path.starts_with("/") || std::ranges::find(folder, "..") != folder.end() || of_system.contains(top))
+        return {};
+    return folder.string();
+}
+
+std::set<std::string> devices_of(const SwarmDrone& drone)
+{
+    auto texts = texts_of(drone);
+    std::erase_if(texts, [](const std::string& text) { return !is_device(text); });
+    return texts;
+}
+
+std::set<std::string> folders_of(const SwarmDrone& drone)
+{
+    std::set<std::string> folders;
+    for (const auto& text : texts_of(drone))
+        if (auto folder = folder_of(text); !folder.empty())
+            folders.insert(std::move(folder));
+    return folders;
+}
 
 std::vector<std::string> export_notes(const SwarmPlan& plan, std::string_view form)
 {
     std::vector<Need> needs;
     for (const auto& drone : plan.drones) {
+        const auto lost = lost_of(plan, drone, form);
+        for (const auto& one : lost)
+            add(needs, drone, "", one);
+        if (std::ranges::any_of(lost, [](const auto& one) { return one.starts_with("left out"); }))
+            continue;
         if (is_python_file(drone.kind))
-            add(needs, drone, drone.kind, form);
-        for (const auto& [name, value] : drone.set.items())
-            if (value.is_string() && is_file(value.get<std::string>()))
-                add(needs, drone, value.get<std::string>(), form);
+            add(needs, drone, drone.kind, lack_of(drone, drone.kind, form));
+        for (const auto& text : texts_of(drone))
+            if (is_file(text))
+                add(needs, drone, text, lack_of(drone, text, form));
     }
     std::vector<std::string> notes;
     std::ranges::transform(needs, std::back_inserter(notes), text_of);

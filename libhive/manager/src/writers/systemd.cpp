@@ -25,10 +25,12 @@ std::string unit_restart_of(const SwarmDrone& drone)
     return "always";
 }
 
-std::string exec_start(const std::vector<std::string>& words, const ExportOptions& options)
+/// Another machine may have Hive elsewhere: the $PATH of its user manager finds the program.
+std::string exec_start(const SwarmDrone& drone, const std::vector<std::string>& words, const ExportOptions& options)
 {
-    const bool of_hive = words.front().starts_with("hive-");
-    std::string text = (of_hive ? options.programs : "/usr/bin") + "/" + words.front();
+    const bool is_known = drone.host == Place::here && words.front().starts_with("hive-");
+    std::string text =
+        is_known ? readable_word(options.programs + "/" + words.front()) : "/usr/bin/env " + words.front();
     for (std::size_t i = 1; i < words.size(); ++i)
         text += " " + readable_word(words[i]);
     return text;
@@ -37,8 +39,10 @@ std::string exec_start(const std::vector<std::string>& words, const ExportOption
 std::string service(const SwarmPlan& plan, const SwarmDrone& drone, const std::string& command)
 {
     return "[Unit]\nDescription=Hive drone " + drone.name + " of the swarm " + plan.name + "\nPartOf=hive-" + plan.name
-           + ".target\nStartLimitIntervalSec=60\nStartLimitBurst=5\n\n[Service]\n" + unit_supervision()
-           + "ExecStart=" + command + "\nRestart=" + unit_restart_of(drone) + "\nRestartSec=1\n";
+           + ".target\nWants=network-online.target\nAfter=network-online.target\nStartLimitIntervalSec="
+             "60\nStartLimitBurst=5\n\n[Service]\n"
+           + unit_supervision() + unit_limits(drone) + "ExecStart=" + command + "\nRestart=" + unit_restart_of(drone)
+           + "\nRestartSec=1\n";
 }
 
 std::string target(const SwarmPlan& plan, const std::vector<std::string>& services)
@@ -65,7 +69,8 @@ ExportedFiles write_systemd(const SwarmPlan& plan, const ExportOptions& options)
         ExportedFiles units;
         for (const auto* drone : drones) {
             services.push_back("hive-" + plan.name + "-" + drone->name + ".service");
-            units.push_back({folder + services.back(), service(plan, *drone, exec_start(lines.of(*drone), options))});
+            units.push_back(
+                {folder + services.back(), service(plan, *drone, exec_start(*drone, lines.of(*drone), options))});
         }
         files.push_back({folder + "hive-" + plan.name + ".target", target(plan, services)});
         std::ranges::move(units, std::back_inserter(files));
