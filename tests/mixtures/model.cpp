@@ -13,8 +13,7 @@
 //   - A sender starts anew, and two or more plain drones receive it: it does not know them before they have come back,
 //     so what it sends meanwhile reaches only those that have.
 //   - A drone whose code throws starts anew: exceptions wait for nobody, and who hears them has to come back first.
-//   - Two machines are parted for so long that a place may be given up, or that an application is taken for dead by
-//     drones that it does not hear (known and open).
+//   - Two machines are parted for so long that a place may be given up.
 //
 // Known and open: an exception that says that an event was given up may come beside its result or exception
 // (../simulation/README.md).
@@ -48,8 +47,6 @@ std::string joined(const std::vector<std::string>& names)
 
 /// Without its peer, for at least so long.
 constexpr int place_kept_ms = 20'000;
-/// A peer that hears this end, and is not heard by it for so long, is disconnected, and takes this end for dead.
-constexpr int heard_ms = 1'400;
 
 bool says_given_up(const Outcome& outcome) { return outcome.failed && outcome.text.starts_with("abandoned"); }
 
@@ -101,7 +98,7 @@ void Model::before(const Step& step)
     for (const auto& edge : topology_.edges())
         if (was.connected(edge.sender, edge.receiver) && !condition_.connected(edge.sender, edge.receiver))
             left(edge.sender, edge.receiver, has_another(edge.sender, edge.receiver, false));
-    if (step.verb == Verb::part && step.number > (step.second == 0 ? place_kept_ms : heard_ms))
+    if (step.verb == Verb::part && step.number > place_kept_ms)
         excuse("");
     if (step.verb == Verb::forget)
         left(step.sender, step.drone, has_another(step.sender, step.drone, true));

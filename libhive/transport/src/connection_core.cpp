@@ -79,6 +79,7 @@ void ConnectionCore::ping(std::function<void(bool)> answered)
     pings_.push_back(std::move(answered));
     if (pings_.size() > max_unanswered)
         return end(about_peer({Errc::malformed, "it answers no ping"}));
+    liveness_.pinged(Clock::now());
     send(protocol::make_packet(protocol::PacketType::ping, {}), {});
 }
 
@@ -88,6 +89,7 @@ void ConnectionCore::take_pong()
         return;  // an answer without a ping
     const auto answered = std::move(pings_.front());
     pings_.pop_front();
+    liveness_.answered(Clock::now(), pings_.size());
     answered(true);
 }
 
@@ -335,11 +337,11 @@ void ConnectionCore::look_later()
 void ConnectionCore::look()
 {
     const auto now = Clock::now();
-    if (writer_.idle() && liveness_.ping_due(now))
-        ping([](bool) {});
     // This end was held up (stopped, suspended, overloaded): what the peer sent meanwhile may still be unread.
     if (const auto late = now - timer_.expiry(); late > timing_.silence / 4)
         liveness_.excuse(late, now);
+    if ((writer_.idle() && liveness_.ping_due(now)) || liveness_.probe_due(now))
+        ping([](bool) {});
     if (const auto verdict = liveness_.verdict(now, reader_.inside()))
         return end(about_peer(*verdict));
     if (!ended_)

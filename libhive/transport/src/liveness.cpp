@@ -10,10 +10,26 @@ constexpr std::int64_t least_bytes_per_second = 64 * 1024;
 
 }  // namespace
 
-/// Transit time counts: the last packet of this end may have been fast, and the next one slow.
+void Liveness::pinged(Clock::time_point now)
+{
+    probed_ = now;
+    if (!unanswered_)
+        unanswered_ = now;
+}
+
+void Liveness::answered(Clock::time_point now, std::size_t unanswered)
+{
+    unanswered_.reset();
+    if (unanswered > 0)  // they were sent before now
+        unanswered_ = now;
+}
+
+/// Transit time counts: the last packet of this end may have been fast, and the next one slow. A peer that received a
+/// ping answers it before anything that it sends half a heartbeat later; a frozen peer sends nothing.
 bool Liveness::seemed_dead(Clock::duration late, Clock::time_point now) const
 {
-    return late >= longest_pause() || (back_ && now < *back_ + 2 * timing_.heartbeat);
+    const bool unheard = unanswered_ && heard_ >= *unanswered_ + timing_.heartbeat / 2;
+    return unheard || late >= longest_pause() || (back_ && now < *back_ + 2 * timing_.heartbeat);
 }
 
 void Liveness::heard(Clock::time_point now, std::size_t bytes, bool fresh)
@@ -32,6 +48,8 @@ void Liveness::excuse(Clock::duration late, Clock::time_point now)
         back_ = now;
     started_ += late;
     heard_ += late;
+    if (unanswered_)
+        *unanswered_ += late;
     window_ += late;
 }
 
@@ -70,6 +88,8 @@ Liveness::Clock::time_point Liveness::next_look(Clock::time_point now, bool insi
     // An overdue ping waits behind bytes that the peer does not read: an earlier check would only spin.
     const auto ping = sent_ && !ping_due(now) ? *sent_ : now;
     next = std::min(next, ping + timing_.heartbeat);
+    if (sent_ && !unanswered_)
+        next = std::min(next, probed_ + 2 * timing_.heartbeat);
     return std::max(next, now + std::chrono::milliseconds(1));
 }
 

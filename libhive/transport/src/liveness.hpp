@@ -15,23 +15,36 @@ class Liveness {
 public:
     using Clock = platform::SteadyClock;
 
-    Liveness(const Timing& timing, Clock::time_point now) : timing_(timing), started_(now), heard_(now), window_(now) {}
+    Liveness(const Timing& timing, Clock::time_point now)
+        : timing_(timing), started_(now), heard_(now), probed_(now), window_(now)
+    {
+    }
 
     /// The peer's first packet is complete.
     void hello_came() { hello_ = true; }
     /// Bytes were sent.
     void sent(Clock::time_point now) { sent_ = now; }
+    /// A ping is being sent.
+    void pinged(Clock::time_point now);
+    /// The oldest unanswered ping was answered; so many are still unanswered.
+    void answered(Clock::time_point now, std::size_t unanswered);
     /// Bytes arrived. `fresh`: they begin or end a packet.
     void heard(Clock::time_point now, std::size_t bytes, bool fresh);
 
     /// This end was blocked for this long, until now: the peer is not to blame.
     void excuse(Clock::duration late, Clock::time_point now);
 
-    /// Was this end, until now or just before, blocked for so long that the peer may have declared it dead?
+    /// May the peer have declared this end dead? Either this end was, until now or just before, blocked for long, or
+    /// the peer continued to send but did not answer a ping.
     /// @param late  blocked time that is not excused yet
     [[nodiscard]] bool seemed_dead(Clock::duration late, Clock::time_point now) const;
     /// A ping is due: something was sent once (so the hello is first), but not lately.
     [[nodiscard]] bool ping_due(Clock::time_point now) const { return sent_ && now >= *sent_ + timing_.heartbeat; }
+    /// A ping is due whatever else was sent: events, and answers to pings, do not show whether the peer receives them.
+    [[nodiscard]] bool probe_due(Clock::time_point now) const
+    {
+        return sent_ && !unanswered_ && now >= probed_ + 2 * timing_.heartbeat;
+    }
     /// Why the connection must end now, if it must. `inside`: a packet has begun and is incomplete.
     std::optional<Error> verdict(Clock::time_point now, bool inside);
     /// The time of the next check, at the latest when anything becomes due.
@@ -43,8 +56,9 @@ private:
     [[nodiscard]] bool too_slow(Clock::time_point now);
 
     Timing timing_;
-    Clock::time_point started_, heard_;
+    Clock::time_point started_, heard_, probed_;    ///< probed: the last ping, at first the start
     std::optional<Clock::time_point> sent_, back_;  ///< back: from the last long pause
+    std::optional<Clock::time_point> unanswered_;   ///< a ping has no answer since then
     bool hello_ = false;
     Clock::time_point window_;  ///< since when the bytes of the current packet are counted
     std::size_t window_bytes_ = 0;

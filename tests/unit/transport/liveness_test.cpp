@@ -65,6 +65,54 @@ TEST_CASE("liveness: a ping is due after a pause in sending, but never before th
     CHECK(peer.ping_due(zero + 1500ms));
 }
 
+TEST_CASE("liveness: a ping is due each second, whatever else is sent, while all pings are answered")
+{
+    Liveness own(standard, zero);
+    CHECK_FALSE(own.probe_due(zero + 10s));
+    own.sent(zero);
+    own.heard(zero, 1, true);
+    CHECK_FALSE(own.probe_due(zero + 999ms));
+    CHECK(own.probe_due(zero + 1s));
+    own.sent(zero + 900ms);  // answers
+    CHECK(own.probe_due(zero + 1s));
+    CHECK(own.next_look(zero + 900ms, false) == zero + 1s);
+    own.pinged(zero + 1s);
+    CHECK_FALSE(own.probe_due(zero + 10s));
+    own.answered(zero + 1100ms, 0);
+    CHECK_FALSE(own.probe_due(zero + 1999ms));
+    CHECK(own.probe_due(zero + 2s));
+}
+
+TEST_CASE("liveness: who sends something and has not answered a ping by then may not hear this end")
+{
+    Liveness own(standard, zero);
+    own.hello_came();
+    own.sent(zero);
+    own.pinged(zero + 1s);
+    own.heard(zero + 1249ms, 1, true);
+    CHECK_FALSE(own.seemed_dead(0s, zero + 3s));  // frozen since then, or killed
+    own.heard(zero + 1250ms, 1, true);
+    CHECK(own.seemed_dead(0s, zero + 3s));
+    own.pinged(zero + 2s);
+    own.answered(zero + 2s, 1);  // the second ping has no answer yet
+    own.heard(zero + 2249ms, 1, true);
+    CHECK_FALSE(own.seemed_dead(0s, zero + 3s));
+    own.answered(zero + 2249ms, 0);
+    own.heard(zero + 3s, 1, true);
+    CHECK_FALSE(own.seemed_dead(0s, zero + 3s));
+}
+
+TEST_CASE("liveness: the time in which this end was blocked does not count against an answer")
+{
+    Liveness own(standard, zero);
+    own.sent(zero);
+    own.heard(zero, 1, true);
+    own.pinged(zero);
+    own.excuse(1s, zero + 1s);
+    own.heard(zero + 1249ms, 1, true);
+    CHECK_FALSE(own.seemed_dead(0s, zero + 10s));
+}
+
 TEST_CASE("liveness: a packet must come at 64 KiB/s, in every window")
 {
     Liveness peer(standard, zero);
@@ -86,6 +134,7 @@ TEST_CASE("liveness: the next look is at what becomes due first")
     CHECK(peer.next_look(zero, false) == zero + 500ms);
     peer.hello_came();
     peer.sent(zero);
+    peer.pinged(zero);  // not answered
     peer.heard(zero, 1, true);
     CHECK(peer.next_look(zero, false) == zero + 500ms);
     peer.sent(zero + 1900ms);

@@ -73,7 +73,8 @@ public:
     virtual void close(const hive::Error& reason) = 0;
     /// After the end: did the peer close it? Otherwise this end closed it or disconnected the peer.
     [[nodiscard]] virtual bool ended_by_peer() const = 0;
-    /// After the end: was this end blocked (or frozen) for so long that the peer may have disconnected it?
+    /// After the end: may the peer have disconnected this end, because this end was blocked (or frozen) for long, or
+    /// because the peer did not receive what it sent?
     [[nodiscard]] virtual bool seemed_dead() const = 0;
     [[nodiscard]] virtual std::string peer() const = 0;
     /// Is the peer on this machine: connected over a unix socket, or at an address of this machine?
