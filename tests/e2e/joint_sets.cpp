@@ -183,6 +183,39 @@ TEST_CASE("joint set: a drone that goes away when it is told to keep the values 
     CHECK(std::string(result.answers.at(1).error->what()).find("s2: unknown") == 0);
 }
 
+TEST_CASE("joint set: a drone that is replaced hands over when the set that it has prepared is decided")
+{
+    const Swarm swarm;
+    const auto drones = sleepers(swarm, 1);
+    auto asker = raw::Peer::meet(swarm.home() / "s1.sock");
+    REQUIRE(
+        raw::text_of(asker.ask(raw::set, {{"parameters", {{"most_ms", 7000}}}, {"prepare", 7}, {"deadline_ms", 8000}}))
+        == "");
+    auto replace = swarm.hivectl_running({"replace", "s1", "--timeout", longer}, "replace");
+    CHECK_FALSE(replace.wait(1500ms).has_value());
+    asker.send(raw::packet(raw::set, 0, R"({"id":70,"commit":7})"));
+    const auto answer = asker.next_of(raw::confirmation);
+    REQUIRE(answer.has_value());
+    CHECK(raw::text_of(Json::parse(answer->header)) == "");
+    CHECK_MESSAGE(replace.wait(patient(10'000ms)) == 0, swarm.log("replace"));
+    CHECK(swarm.hivectl_done({"get", "s1", "most_ms"}) == "7000\n");
+}
+
+TEST_CASE("joint set: a drone that is replaced hands over with the old values when the asker of a set goes")
+{
+    const Swarm swarm;
+    const auto drones = sleepers(swarm, 1);
+    auto asker = std::make_optional(raw::Peer::meet(swarm.home() / "s1.sock"));
+    REQUIRE(raw::text_of(
+                asker->ask(raw::set, {{"parameters", {{"most_ms", 7000}}}, {"prepare", 7}, {"deadline_ms", 30'000}}))
+            == "");
+    auto replace = swarm.hivectl_running({"replace", "s1", "--timeout", longer}, "replace");
+    CHECK_FALSE(replace.wait(1500ms).has_value());
+    asker.reset();
+    CHECK_MESSAGE(replace.wait(patient(10'000ms)) == 0, swarm.log("replace"));
+    CHECK(swarm.hivectl_done({"get", "s1", "most_ms"}) == "600000\n");
+}
+
 TEST_CASE("joint set: many at once, with Ctrl-C and SIGKILL at random, end in one value, which one of them confirmed")
 {
     const auto used = seed();

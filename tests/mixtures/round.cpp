@@ -128,8 +128,7 @@ void Round::set_and_kill(const Step& step)
         problems_.push_back(*problem);
 }
 
-/// What is confirmed holds for the new process too. A set that meets none of the two is refused; one that was prepared
-/// by the old one, and not committed yet, may be lost there (known and open).
+/// What is confirmed holds for the new process too. A set that meets none of the two is refused.
 void Round::set_and_replace(const Step& step)
 {
     const auto all = change(step.number, 20);
@@ -139,8 +138,7 @@ void Round::set_and_replace(const Step& step)
         told = ground_.set(all);
     };
     ground_.at_once(set, [&] { ground_.perform(step); });
-    const bool confirmed = told == Told::applied;
-    if (auto problem = values_.set(all, confirmed ? told : Told::unknown, confirmed ? "" : step.drone))
+    if (auto problem = values_.set(all, told == Told::applied ? told : Told::unknown))
         problems_.push_back(*problem);
 }
 

@@ -192,7 +192,9 @@ bool ParameterRequests::begin(const ProposalPtr& proposal)
 }
 
 /// No callback may see undecided values, so the user thread waits here and runs the network side: until the decision,
-/// the end of the asker's connection or of the drone, and at most until the end of the grace period.
+/// the end of the asker's connection or of the drone, and at most until the end of the grace period. A drone that hands
+/// over waits as for a running callback: other drones may have committed already, and its successor reads the state
+/// file after the decision.
 void ParameterRequests::hold(const Worker& worker, Proposal& proposal)
 {
     parts_.module.call([&] {
@@ -201,7 +203,8 @@ void ParameterRequests::hold(const Worker& worker, Proposal& proposal)
     });
     const auto until = proposal.deadline() + Proposal::grace;
     auto& loop = parts_.module.loop();
-    const auto over = [&] { return !proposal.wanted() || parts_.board.stopping(); };
+    const auto& board = parts_.board;
+    const auto over = [&] { return !proposal.wanted() || (board.stopping() && !board.handing_over()); };
     loop.wait(until, over);
     if (Clock::now() >= until)
         loop.wait(Clock::now() + last_look, over);
