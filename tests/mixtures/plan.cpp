@@ -152,13 +152,6 @@ private:
         add(std::move(step));
     }
 
-    /// Behind a group, results of two kinds of drones are two results (SPEC.md, section 8.3).
-    bool mixes_kinds(const std::string& drone) const
-    {
-        const auto workers = topology_.workers();
-        return std::ranges::count(workers, drone) > 0 && topology_.stage_of(drone) > 0;
-    }
-
     /// One that has halted stays halted only if it is not killed.
     void replace(Step step)
     {
@@ -166,10 +159,9 @@ private:
         std::erase(others, step.drone);
         const bool halted = condition_.life(step.drone) == Life::halted;
         const auto meanwhile = static_cast<Meanwhile>(random_.between(0, halted ? 1 : 7));
-        const bool possible = meanwhile == Meanwhile::other_too    ? !others.empty() && condition_.broken() == 0
-                              : meanwhile == Meanwhile::other_kind ? !mixes_kinds(step.drone)
-                              : meanwhile == Meanwhile::set_all    ? !others.empty()
-                                                                   : true;
+        const bool possible = meanwhile == Meanwhile::other_too ? !others.empty() && condition_.broken() == 0
+                              : meanwhile == Meanwhile::set_all ? !others.empty()
+                                                                : true;
         step.number = random_.between(1, meanwhile == Meanwhile::set_all ? 12 : 60);
         step.second = possible ? static_cast<int>(meanwhile) : 0;
         if (possible && meanwhile == Meanwhile::other_too)

@@ -8,7 +8,7 @@ namespace hive::wire {
 
 TEST_CASE("answer vectors: of each work the first answer is taken, and others are refused")
 {
-    for (const auto& row : read_vectors("answers.jsonl", 17)) {
+    for (const auto& row : read_vectors("answers.jsonl", 23)) {
         CAPTURE(row.at("name"));
         event::AnswerFilter filter;
         Json taken = Json::array();

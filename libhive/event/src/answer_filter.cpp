@@ -89,6 +89,7 @@ std::pair<std::string, AnswerFilter::Answer> AnswerFilter::named(const Event& ev
     std::string key = std::to_string(shares[0].epoch) + ":" + std::to_string(shares[0].turn);
     Answer answer{.work = {},
                   .kind = {},
+                  .answerer = {},
                   .path = {},
                   .attempts = {},
                   .branches = {},
@@ -111,22 +112,27 @@ std::pair<std::string, AnswerFilter::Answer> AnswerFilter::named(const Event& ev
         by_kind = behind_group;
         behind_group = behind_group || share.group();
     }
-    if (by_kind)  // this group may have workers of several kinds
+    if (by_kind) {  // several plain receivers, or groups, may do different work behind this group
+        const Share& last = shares[count - 1];
         answer.kind = event.kind;
+        answer.answerer = last.group() ? last.of.substr(last.of.find('#')) : receiver_of(event, count - 1).first;
+    }
     (((key += " .") += event.output) += '/') += std::to_string(event.identity.part);
     return {std::move(key), std::move(answer)};
 }
 
 /// Does either of two answers make the other redundant? No if a drone sent its result to several receivers, and the
 /// answers come from different ones. Each attempt went to one drone, which gives each answer once. Answers over the
-/// same path are the same, even if a receiver on the path shared the work one time and not the other. An exception
-/// covers all results of its work; a later exception that covers more is new if several drones got the next share.
+/// same path are the same, even if a receiver on the path shared the work one time and not the other. So are those of a
+/// drone that was replaced by one of another kind, and those of members of one group, whatever their kinds. An
+/// exception covers all results of its work; a later exception that covers more is new if several drones got the next
+/// share.
 bool AnswerFilter::stand_for_each_other(const Answer& one, const Answer& other)
 {
     if (one.path == other.path || includes(one, other)
         || (includes(other, one) && one.each[parts_of(other.work)] == '0'))
         return true;
-    if (one.work != other.work || one.kind != other.kind)
+    if (one.work != other.work || (one.kind != other.kind && one.answerer != other.answerer))
         return false;
     if (one.attempts == other.attempts)
         return one.branches == other.branches;
@@ -164,8 +170,8 @@ void AnswerFilter::forget_oldest()
 
 std::size_t AnswerFilter::size_of(const std::string& key, const Answer& answer)
 {
-    auto bytes = key.size() + answer.work.size() + answer.kind.size() + answer.path.size() + answer.attempts.size()
-                 + answer.each.size() + answer.branches.size() * sizeof(Branch);
+    auto bytes = key.size() + answer.work.size() + answer.kind.size() + answer.answerer.size() + answer.path.size()
+                 + answer.attempts.size() + answer.each.size() + answer.branches.size() * sizeof(Branch);
     for (const auto& branch : answer.branches)
         bytes += branch.receiver.size();
     return bytes;

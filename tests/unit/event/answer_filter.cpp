@@ -133,10 +133,28 @@ TEST_CASE("answer filter: workers of one group are interchangeable also when the
     AnswerFilter filter;
     CHECK(filter.first(by(answer({turn_1}), "face")));
     CHECK_FALSE(filter.first(by(answer({with(turn_1, 1, 2)}, "worker"), "python_face")));
-    // Behind that group the groups of its members have no names in the work: there the kind tells them apart.
+    // So are those of a group behind that group. Another group, of another kind, does other work.
     const Share inner{.of = "face-1.faces#ages", .epoch = 3, .turn = 7, .attempt = 1, .to = "crop"};
+    auto other = inner;
+    other.of = "face-1.faces#moods";
     CHECK(filter.first(by(answer({turn_1, inner}, "age-1"), "age")));
-    CHECK(filter.first(by(answer({turn_1, with(inner, 7, 2)}, "mood-1"), "mood")));
+    CHECK_FALSE(filter.first(by(answer({turn_1, with(inner, 7, 2)}, "age-2"), "python_age")));
+    CHECK(filter.first(by(answer({turn_1, with(other, 7, 2)}, "mood-1"), "mood")));
+}
+
+TEST_CASE("answer filter: behind a group, a drone that was replaced by one of another kind is the same drone")
+{
+    const auto by = [](Event event, const char* kind) {
+        event.kind = kind;
+        return event;
+    };
+    const Share first{.of = "face-1.faces", .epoch = 3, .turn = 7, .attempt = 1, .to = "crop"};
+    auto again = first;
+    again.of = "face-2.faces";
+    AnswerFilter filter;
+    CHECK(filter.first(by(answer({turn_1, first}, "age"), "age")));
+    CHECK_FALSE(filter.first(by(answer({with(turn_1, 1, 2), again}, "age"), "python_age")));
+    CHECK(filter.first(by(answer({with(turn_1, 1, 2), again}, "mood"), "mood")));
 }
 
 TEST_CASE("answer filter: other outputs and parts are other answers, and so is the work of a restarted sender")

@@ -31,9 +31,10 @@ private:
         bool operator==(const Branch&) const = default;
     };
     struct Answer {
-        std::string work;  ///< with what its key says
-        std::string kind;  ///< of the answering drone, if that distinguishes works
-        std::string path;  ///< the drones that got the shares
+        std::string work;      ///< with what its key says
+        std::string kind;      ///< of the answering drone, if that distinguishes works
+        std::string answerer;  ///< `#GROUP` or the drone, if the kind distinguishes works
+        std::string path;      ///< the drones that got the shares
         std::string attempts;
         std::vector<Branch> branches;
         std::string each;     ///< for each part of the work, '1': other receivers got it as well
