@@ -152,7 +152,7 @@ void RecordDrone::open(const Opened& wanted)
     if (wanted.around && !fs::is_directory(folder_ / fs::path(below_folder(file_)).parent_path()))
         throw hive::Error(hive::Errc::refused, "the folder of " + file_ + " is not there");
     count_dropped();
-    former_ = Former{opened_, writes_, ended_, std::move(writer_), dropped_, reported_};
+    former_ = Former{opened_, writes_, ended_, std::move(writer_), dropped_};
     opened_ = wanted;
     begin(wanted.around ? "" : file_, std::move(fresh));
 }
@@ -167,7 +167,6 @@ void RecordDrone::put_back()
     ended_ = former_->ended;
     writer_ = std::move(former_->writer);
     dropped_ = std::move(former_->dropped);
-    reported_ = former_->reported;
     former_.reset();
 }
 
@@ -185,7 +184,6 @@ void RecordDrone::begin(const std::string& file, std::unique_ptr<hive::recording
 {
     writes_ = file;
     ended_.clear();
-    reported_ = false;
     count_dropped();
     for (auto& [from, dropped] : dropped_)
         dropped.total = 0;
@@ -241,9 +239,24 @@ void RecordDrone::take(const hive::Event& event)
         go_on();
     if (!writer_)
         return;
-    hive::recording::append(*writer_, event);
+    append(event);
     if (!writer_->ended().empty())
         say();
+}
+
+/// A failed disk makes each further event an exception, so that it counts as abandoned and not as processed.
+void RecordDrone::append(const hive::Event& event)
+{
+    hive::recording::append(*writer_, event);
+    if (writer_->failure().empty())
+        return;
+    say();
+    throw hive::Error(hive::Errc::io, failure_text());
+}
+
+std::string RecordDrone::failure_text() const
+{
+    return writer_->failure() + ": " + (folder_ / writes_).lexically_normal().string();
 }
 
 void RecordDrone::take_around(const hive::Event& event)
@@ -257,7 +270,7 @@ void RecordDrone::take_around(const hive::Event& event)
     if (fits && !writer_)
         begin_clip();
     if (writer_)
-        hive::recording::append(*writer_, event);
+        append(event);
     else
         last_.keep(event);
 }
@@ -319,14 +332,12 @@ void RecordDrone::say()
     if (!writer_)
         return drone_.condition("waiting for " + when_
                                 + (last_.full() ? "; keeps less than before=SECONDS, 256 MB" : ""));
-    const bool failed = !writer_->failure().empty();
+    if (!writer_->failure().empty())
+        return drone_.condition(failure_text() + "; set file=" + next_free::after(folder_, writes_));
     const std::string goes_on = opened_.around            ? "recording " + writes_
                                 : writes_ == opened_.file ? ""
                                                           : "goes on in " + writes_;
-    drone_.condition(failed ? writer_->failure() : writer_->ended().empty() ? goes_on : "ended: " + writer_->ended());
-    if (failed && !std::exchange(reported_, true))
-        drone_.report(hive::Errc::io, writes_ + ": " + writer_->failure()
-                                          + "; the recording has stopped, further events count as lost");
+    drone_.condition(writer_->ended().empty() ? goes_on : "ended: " + writer_->ended());
 }
 
 }  // namespace record

@@ -44,6 +44,8 @@ private:
     void close(const std::string& how);
     void finish(hive::recording::Writer& writer, const std::string& file, const std::string& how);
     void take(const hive::Event& event);
+    void append(const hive::Event& event);
+    [[nodiscard]] std::string failure_text() const;
     void take_around(const hive::Event& event);
     void begin_clip();
     [[nodiscard]] bool clip_is_over() const;
@@ -72,13 +74,11 @@ private:
         std::int64_t total = 0;  ///< since the file was opened
     };
     std::map<std::string, Dropped> dropped_;  ///< by sender of the connection
-    bool reported_ = false;                   ///< that the disk failed
     struct Former {                           ///< the members of these names, as they were before another file was set
         Opened opened;
         std::string writes, ended;
         std::unique_ptr<hive::recording::Writer> writer;
         std::map<std::string, Dropped> dropped;
-        bool reported;
     };
     std::optional<Former> former_;  ///< until the joint set is committed or aborted
     std::chrono::steady_clock::time_point next_count_{};

@@ -86,12 +86,16 @@ TEST_CASE("audit: a receiver that is killed, a queue that is full and code that 
     const auto gone = killed.row("worker.image");
     CHECK_MESSAGE(gone.at("lost") > 0, gone.dump(2));  // the event in progress, and perhaps one in flight
     CHECK(gone.at("losses").back()
-          == Json{{"fate", "lost_killed"}, {"at", "source"}, {"events", gone.at("lost")}, {"promised", true}});
+          == Json{{"fate", "lost_killed"},
+                  {"at", "source"},
+                  {"events", gone.at("lost")},
+                  {"promised", true},
+                  {"reason", ""}});
     CHECK(gone.at("state") == "receiver gone");
 
     application.connect({"source", ""}, {"thrower", ""});
     CHECK(eventually([&] { return audited(swarm).row("thrower.image").value("lost", 0) == 1; }));
-    CHECK(has(swarm.hivectl({"audit", "--wide"}).out, "1 abandoned at thrower"));
+    CHECK(has(swarm.hivectl({"audit", "--wide"}).out, "1 abandoned at thrower (last: "));
 
     application.disconnect({"source", ""}, {"thrower", ""});
     CHECK(eventually([&] {

@@ -14,6 +14,7 @@ struct AuditLoss {
     std::string at;    ///< the drone that counts it
     std::int64_t events = 0;
     bool promised = true;  ///< false: the options or the receiver allow it, such as skipped events of a live source
+    std::string reason{};  ///< of abandoned events: the drone's last exception at that input; otherwise empty
 };
 
 /// One connection, or a group as a whole; or what an input lost in connections that were closed, or of what hivectl put
@@ -45,7 +46,7 @@ Audit audit(const std::vector<StatusAnswer>& first, const std::vector<StatusAnsw
             const std::vector<StatusAnswer>& third);
 
 /// {"from", "to", "state", "came", a count for each fate, "in_flight", "received", "processed", "lost", "fates": a
-/// text, "losses": [{"fate", "at", "events", "promised"}], "differences": [text], "verdict": "ok", "lost" or
+/// text, "losses": [{"fate", "at", "events", "promised", "reason"}], "differences": [text], "verdict": "ok", "lost" or
 /// "differs"}; a count is null if its end did not answer.
 Json to_json(const AuditRow& row);
 /// {"clean": flag, "connections": [rows as above], "silent": [drones]}

@@ -146,11 +146,13 @@ void check_ends(AuditRow& row)
                                   + " events that it has received");
 }
 
-void add_losses(AuditRow& row)
+/// @param at_receiver  null: it does not answer
+void add_losses(AuditRow& row, const Status* at_receiver)
 {
-    const auto add = [&](std::string_view fate, const std::string& at, std::int64_t events, bool promised) {
+    const auto add = [&](std::string_view fate, const std::string& at, std::int64_t events, bool promised,
+                         const std::string& reason = {}) {
         if (events > 0)
-            row.losses.push_back({std::string(fate), at, events, promised});
+            row.losses.push_back({std::string(fate), at, events, promised, reason});
     };
     const auto sender = drone_of(row.ends.from), receiver = drone_of(row.ends.to);
     if (const auto& edge = row.ends.at_sender)
@@ -159,7 +161,8 @@ void add_losses(AuditRow& row)
             add(token(fate), sender, edge->events.of(fate), fate != Fate::skipped && fate != Fate::lost_left);
     if (const auto& input = row.ends.at_receiver) {
         add("dropped", receiver, input->dropped, true);
-        add("abandoned", receiver, input->abandoned, true);
+        const auto* threw = at_receiver && at_receiver->last_exception ? &*at_receiver->last_exception : nullptr;
+        add("abandoned", receiver, input->abandoned, true, threw && threw->input == input->input ? threw->text : "");
         add("unmatched", receiver, input->unmatched, false);
         // A member returns discarded events, and a closed connection may have been one of a member.
         if (row.ends.from != closed && row.ends.options().group.empty())
@@ -174,7 +177,8 @@ std::string fates_text(const AuditRow& row)
     for (const bool promised : {true, false})
         for (const auto& loss : row.losses)
             if (loss.promised == promised)
-                text += (text.empty() ? "" : ", ") + std::to_string(loss.events) + " " + loss.fate + " at " + loss.at;
+                text += (text.empty() ? "" : ", ") + std::to_string(loss.events) + " " + loss.fate + " at " + loss.at
+                        + (loss.reason.empty() ? "" : " (last: " + loss.reason + ")");
     return text;
 }
 
@@ -198,7 +202,7 @@ void add_closed(Audit& audit, const StatusAnswer& answer)
         AuditRow row{.ends = {.from = closed, .to = answer.drone + "." + input.input, .at_receiver = input},
                      .receiver_answers = !answer.error};
         check_ends(row);
-        add_losses(row);
+        add_losses(row, &answer.status);
         if (row.lost() > 0 || !row.differences.empty())
             audit.rows.push_back(std::move(row));
     }
@@ -231,7 +235,7 @@ Audit audit(const std::vector<StatusAnswer>& first, const std::vector<StatusAnsw
         row.sender_answers = sender.has_value();
         row.receiver_answers = receiver.has_value();
         check_ends(row);
-        add_losses(row);
+        add_losses(row, receiver ? (*receiver)[2] : nullptr);
         if (sender && receiver) {
             if (const auto* input = input_of(*(*receiver)[1], row.ends))
                 compare_counts(row, *sender, *receiver, *input);
@@ -255,7 +259,11 @@ Json to_json(const AuditRow& row)
     const auto events = edge ? edge->events : Ledger();
     Json losses = Json::array();
     for (const auto& loss : row.losses)
-        losses.push_back({{"fate", loss.fate}, {"at", loss.at}, {"events", loss.events}, {"promised", loss.promised}});
+        losses.push_back({{"fate", loss.fate},
+                          {"at", loss.at},
+                          {"events", loss.events},
+                          {"promised", loss.promised},
+                          {"reason", loss.reason}});
     Json json{{"from", row.ends.from},
               {"to", row.ends.to},
               {"state", state_of(row)},

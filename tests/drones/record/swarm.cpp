@@ -219,7 +219,11 @@ TEST_CASE("recording: a full disk is said within a second, costs others nothing,
         },
         10'000ms));
     CHECK(has(exception->header.at("text"), "disk full"));
-    CHECK(application.status("record").condition == "disk full");
+    const auto full_file = (disk / "run.hive").string();
+    CHECK(application.status("record").condition
+          == "disk full: " + full_file + "; set file=" + (disk / "run-2.hive").string());
+    CHECK(exception->header.at("text") == "disk full: " + full_file);
+    CHECK(application.status("record").inputs.at(0).abandoned > 0);
     CHECK(application.status("record").state != hive::State::halted);
     CHECK(gaps == 0);
     application.stop("record");

@@ -129,7 +129,7 @@ TEST_CASE("explain: an exception hides no other cause at the first look, when no
     for (auto* look : {&before, &after}) {
         auto& face = look->answers[1].status;
         face.condition = "disk full";
-        face.last_exception = ExceptionStatus{.text = "disk full", .time_us = begin_us + 59 * second_us};
+        face.last_exception = ExceptionStatus{.text = "bad image", .time_us = begin_us + 59 * second_us};
     }
     REQUIRE(causes(before).size() == 1);
     CHECK(causes(before)[0].what == Cause::What::condition);
@@ -137,6 +137,10 @@ TEST_CASE("explain: an exception hides no other cause at the first look, when no
     REQUIRE(causes(after, &before).size() == 1);
     CHECK(causes(after, &before)[0].what == Cause::What::condition);
     CHECK(causes(before, &before).at(0).what == Cause::What::throws);
+    before.answers[1].status.last_exception->text = "disk full";  // the condition says more
+    before.answers[1].status.inputs[0].abandoned = 3;
+    CHECK(causes(before, &before).at(0).what == Cause::What::condition);
+    CHECK(causes(before, &before).at(0).evidence == "3 events abandoned");
 }
 
 TEST_CASE("explain: a cycle of connections, and a receiver that is asked for twice, end the walk")

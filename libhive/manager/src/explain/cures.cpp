@@ -4,6 +4,8 @@
 #include "../fitting_ports.hpp"
 
 #include <hive/event/clock.hpp>
+#include <hive/name.hpp>
+#include <hive/remote.hpp>
 
 #include <algorithm>
 #include <array>
@@ -46,14 +48,20 @@ std::pair<std::string, std::string> source_of(Application& application, const st
     return {};
 }
 
-/// What a condition ends with: "credentials=FILE" of "login required; set credentials=FILE".
+/// What a condition ends with: "credentials=FILE" of "login required; set credentials=FILE". A shell takes it as one
+/// word.
 std::string setting_in(const std::string& condition)
 {
     const std::string_view set = "; set ";
     const auto at = condition.rfind(set);
     const auto setting = at == std::string::npos ? "" : condition.substr(at + set.size());
-    const auto is_word = [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '='; };  // for a shell, too
-    return setting.find('=') != std::string::npos && std::ranges::all_of(setting, is_word) ? setting : "";
+    const auto equals = setting.find('=');
+    if (equals == 0 || equals == std::string::npos || !is_name(setting.substr(0, equals)))
+        return "";
+    const auto plain = [](unsigned char c) {
+        return std::isalnum(c) || std::string_view("_=./-").find(static_cast<char>(c)) != std::string_view::npos;
+    };
+    return std::ranges::all_of(setting, plain) ? setting : quoted_for_shell(setting);
 }
 
 void name_source(Application& application, Cause& cause)
@@ -65,7 +73,7 @@ void name_source(Application& application, Cause& cause)
     std::string place = name;
     std::ranges::transform(place, place.begin(), [](unsigned char c) { return std::toupper(c); });
     const auto proposed = setting_in(cause.text);
-    cause.command = value.starts_with("/dev/")
+    cause.command = proposed.empty() && value.starts_with("/dev/")
                         ? "hivectl devices"
                         : "hivectl set " + cause.drone + " " + (proposed.empty() ? name + "=" + place : proposed);
 }

@@ -54,6 +54,18 @@ std::string crash_text(const CrashedDrone& crash)
            + (crash.source.empty() ? "" : " at " + printable(crash.source.substr(crash.source.rfind('/') + 1)));
 }
 
+std::string abandoned_text(const Status& status)
+{
+    return std::to_string(processed(status, &InputStatus::abandoned)) + " events abandoned";
+}
+
+/// A lasting trouble that fails each event, such as a full disk: the condition says how to fix it.
+bool throws_its_condition(const Status& status)
+{
+    return status.last_exception && !status.last_exception->text.empty()
+           && status.condition.starts_with(status.last_exception->text);
+}
+
 /// "hivectl ps" in an advice such as "see what runs: hivectl ps".
 std::string command_in(const std::string& advice)
 {
@@ -151,11 +163,12 @@ bool Search::own(const StatusAnswer& answer)
     else if (status.why == Reason::source_ended)
         add(What::source_ended, name, name + " has reached the end of its source",
             std::to_string(emitted(status)) + " events emitted", "hivectl replace " + name);
-    else if (throws(answer) || stuck(answer))
+    else if ((!throws_its_condition(status) && throws(answer)) || stuck(answer))
         return true;
     else if (!status.condition.empty() && status.why != Reason::no_receiver && status.why != Reason::watched)
-        add(What::condition, name, name + " reports: " + status.condition, "", "hivectl logs " + name).blocks =
-            !moves(answer);
+        add(What::condition, name, name + " reports: " + status.condition,
+            throws_its_condition(status) ? abandoned_text(status) : "", "hivectl logs " + name)
+            .blocks = !moves(answer);
     else if (status.why == Reason::no_input)
         add(What::not_connected, name, "nothing is connected to the inputs of " + name, "", "hivectl describe " + name);
     else
@@ -177,9 +190,8 @@ bool Search::throws(const StatusAnswer& answer)
     add(What::throws, answer.drone,
         answer.drone + (failed > 0 ? " throws at each event: " : " threw, and has emitted nothing since: ")
             + status.last_exception->text,
-        std::to_string(processed(status, &InputStatus::abandoned)) + " events abandoned, "
-            + std::to_string(processed(status, &InputStatus::processed)) + " processed; last exception "
-            + ago_text(status, status.last_exception->time_us),
+        abandoned_text(status) + ", " + std::to_string(processed(status, &InputStatus::processed))
+            + " processed; last exception " + ago_text(status, status.last_exception->time_us),
         "hivectl exceptions " + answer.drone);
     return true;
 }
