@@ -207,5 +207,5 @@ TEST_CASE("pages: the commands on the page of Kubernetes work as they stand ther
     if (!possible(swarm.run({"/bin/sh", "-c", "command -v kubectl"}).exit_code == 0 ? "" : "kubectl"))
         return;
     const auto file = run_page(swarm, "kubernetes.md");
-    run_in_containers("kubernetes.md", "kubernetes", file, "kubectl exec deployment/");
+    run_in_containers("kubernetes.md", "kubernetes", file, "kubectl exec deployment/doorway-");
 }
