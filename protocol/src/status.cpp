@@ -40,7 +40,8 @@ constexpr std::array<std::pair<Fate, const char*>, fates> fate_tokens{{
 }};
 
 constexpr std::array edge_numbers{std::pair{"waiting", &EdgeStatus::waiting}, std::pair{"shared", &EdgeStatus::shared},
-                                  std::pair{"fallback", &EdgeStatus::fallback}};
+                                  std::pair{"fallback", &EdgeStatus::fallback},
+                                  std::pair{"last_lost_us", &EdgeStatus::last_lost_us}};
 
 constexpr std::array output_numbers{std::pair{"produced", &OutputStatus::produced},
                                     std::pair{"unreceived", &OutputStatus::unreceived},
@@ -53,9 +54,13 @@ constexpr std::array input_counts{
     std::pair{"unmatched", &InputStatus::unmatched}, std::pair{"queued", &InputStatus::queued},
     std::pair{"in_hand", &InputStatus::in_hand}};
 
-constexpr std::array input_numbers{
-    std::pair{"last_age_us", &InputStatus::last_age_us}, std::pair{"round_trip_us", &InputStatus::round_trip_us},
-    std::pair{"clock_offset_us", &InputStatus::clock_offset_us}, std::pair{"registration", &InputStatus::registration}};
+constexpr std::array input_numbers{std::pair{"last_age_us", &InputStatus::last_age_us},
+                                   std::pair{"round_trip_us", &InputStatus::round_trip_us},
+                                   std::pair{"clock_offset_us", &InputStatus::clock_offset_us},
+                                   std::pair{"registration", &InputStatus::registration},
+                                   std::pair{"last_lost_us", &InputStatus::last_lost_us},
+                                   std::pair{"work_p99_us", &InputStatus::work_p99_us},
+                                   std::pair{"disconnected_us", &InputStatus::disconnected_us}};
 
 constexpr std::array matching_numbers{
     std::pair{"sets", &MatchingStatus::sets}, std::pair{"waiting", &MatchingStatus::waiting},
@@ -176,6 +181,7 @@ InputStatus input_from_json(const Json& object)
     InputStatus input;
     input.input = fields.name("input");
     input.from = fields.text_or("from", "");
+    input.kind = fields.text_or("kind", "");
     input.connected = fields.flag_or("connected", false);
     if (fields.has("options"))
         input.options = connection_options(fields.object("options"));
@@ -253,6 +259,12 @@ std::string_view token(Reason value) noexcept
 
 std::string_view token(Fate value) noexcept { return fate_tokens[static_cast<std::size_t>(value)].second; }
 
+bool is_loss(Fate fate) noexcept
+{
+    return fate == Fate::dropped || fate == Fate::abandoned || fate == Fate::lost_connection
+           || fate == Fate::lost_killed || fate == Fate::lost_cut_off;
+}
+
 std::int64_t Ledger::lost() const noexcept
 {
     return of(Fate::lost_connection) + of(Fate::lost_killed) + of(Fate::lost_cut_off) + of(Fate::lost_left);
@@ -282,6 +294,7 @@ Json to_json(const InputStatus& input)
 {
     Json json{{"input", input.input}, {"options", to_json(input.options)}};
     write_text(json, "from", input.from);
+    write_text(json, "kind", input.kind);
     if (input.connected)
         json["connected"] = true;
     write_numbers(json, input, input_counts);

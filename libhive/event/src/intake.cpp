@@ -172,6 +172,7 @@ void Intake::confirmed(const LinkPtr& link, const Json& result, std::int64_t hel
         return failed(error);
     }
     connected_ = true;
+    kind_ = link->peer().kind;
     tried_ = 0;
     sender_leaves_ = false;
     end_.reset();  // the sender sends its end again, if it still holds, and is then asked again
@@ -326,6 +327,7 @@ void Intake::link_closed(const Link& link)
 void Intake::disconnected()
 {
     connected_ = false;
+    disconnected_us_ = wall_us();
     lost_at_ = Clock::now();
 }
 

@@ -144,6 +144,8 @@ void Intake::heard(std::int64_t generation, std::int64_t number, bool worked, bo
 {
     if (ending)
         ++ended_[static_cast<std::size_t>(*ending)];
+    if (ending == Ending::abandoned || ending == Ending::dropped)
+        last_lost_us_ = wall_us();
     const bool back = ending == Ending::discarded || ending == Ending::dropped;
     const bool worked_on = !all_worked();
     progress_.heard(generation, number, worked, done, back);
@@ -180,6 +182,7 @@ InputStatus Intake::status() const
     const auto ended = [&](Ending ending) { return ended_[static_cast<std::size_t>(ending)]; };
     InputStatus status{.input = spec_.input,
                        .from = spec_.sender + "." + spec_.output,
+                       .kind = kind_,
                        .connected = connected_,
                        .registration = epoch_,
                        .options = spec_.options,
@@ -190,9 +193,11 @@ InputStatus Intake::status() const
                        .discarded = ended(Ending::discarded),
                        .dropped = ended(Ending::dropped),
                        .unmatched = ended(Ending::unmatched),
+                       .last_lost_us = last_lost_us_,
                        .last_age_us = age_us_,
                        .round_trip_us = link_ ? link_->peer_clock().round_trip_us() : 0,
                        .clock_offset_us = link_ ? link_->peer_clock().offset_us() : 0,
+                       .disconnected_us = connected_ ? 0 : disconnected_us_,
                        .error = problem_ ? shortened(problem_->what(), most_shown) : ""};
     status.in_hand = received_;
     for (const auto count : ended_)

@@ -270,6 +270,7 @@ void add_counts(InputStatus& sum, const InputStatus& more)
          {&InputStatus::received, &InputStatus::processed, &InputStatus::abandoned, &InputStatus::duplicates,
           &InputStatus::discarded, &InputStatus::dropped, &InputStatus::unmatched, &InputStatus::in_hand})
         sum.*count += more.*count;
+    sum.last_lost_us = std::max(sum.last_lost_us, more.last_lost_us);
 }
 
 }  // namespace

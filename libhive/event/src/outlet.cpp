@@ -431,6 +431,8 @@ std::vector<EdgeStatus> Outlet::edges() const
             row.status.shared = place->second.shared;
             row.status.fallback = place->second.fallback;
         }
+        if (row.last_loss != Clock::time_point())
+            row.status.last_lost_us = wall_us() - microseconds(Clock::now() - row.last_loss);
         edges.push_back(std::move(row.status));
     }
     return edges;

@@ -117,7 +117,9 @@ std::vector<ReceiverTable::Row> ReceiverTable::rows() const
         status.options = registered.options;
     };
     for (const Plain& plain : plain_) {
-        EdgeStatus& status = rows[{plain.receiver, "", row_of(plain)}].status;
+        Row& row = rows[{plain.receiver, "", row_of(plain)}];
+        row.last_loss = std::max(row.last_loss, plain.subscription.last_loss());
+        EdgeStatus& status = row.status;
         add_registered(status, plain.receiver, plain.registered);
         add_to(status.events, plain.subscription.ledger());
         status.connected = status.connected || plain.registered.now > 0;
@@ -131,7 +133,9 @@ std::vector<ReceiverTable::Row> ReceiverTable::rows() const
             status.events = member.ledger;
             status.connected = member.registered.now > 0;
         }
-        EdgeStatus& status = rows[{"group " + name, name, 0}].status;
+        Row& row = rows[{"group " + name, name, 0}];
+        row.last_loss = group.subscription.last_loss();
+        EdgeStatus& status = row.status;
         status = {.receiver = "group " + name,
                   .group = true,
                   .connected = group.subscription.active(),

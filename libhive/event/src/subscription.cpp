@@ -65,6 +65,7 @@ EmissionPtr Subscription::take_fresh()
 
 void Subscription::offer(const EmissionPtr& event, Clock::time_point now, Decisions& decisions)
 {
+    now_ = now;
     const Identity& identity = event->event().identity;
     if (missed_.count > 0 && identity.epoch > missed_.epoch && identity.source == missed_.source)
         missed_.count = 0;
@@ -87,12 +88,19 @@ void Subscription::offer(const EmissionPtr& event, Clock::time_point now, Decisi
     while (streams() && drop_oldest(now));  // an event that was too large for the lane delayed smaller ones
 }
 
+void Subscription::count(Fate fate, std::int64_t events)
+{
+    ledger_.went(fate, events);
+    if (events > 0 && is_loss(fate))
+        last_loss_ = now_;
+}
+
 void Subscription::miss(const Identity& identity, Clock::time_point now)
 {
     if (!missing_as_ || (!*lossless_ && now >= live_missed_until_))
         return;
     ledger_.came();
-    ledger_.went(*missing_as_);
+    count(*missing_as_);
     if (*lossless_)
         count_missed(identity);
 }
@@ -119,7 +127,7 @@ void Subscription::end_live(Fate how)
         fresh_bytes_ -= goes ? event->size() : 0;
         return goes;
     });
-    ledger_.went(how, static_cast<std::int64_t>(live));
+    count(how, static_cast<std::int64_t>(live));
 }
 
 bool Subscription::overfull(Clock::time_point now) const
@@ -140,7 +148,7 @@ bool Subscription::drop_oldest(Clock::time_point now)
             break;
         fresh_bytes_ -= (*oldest)->size();
         fresh_.erase(oldest);
-        ledger_.went(Fate::dropped);
+        count(Fate::dropped);
         dropped = true;
     }
     return dropped;
@@ -280,6 +288,7 @@ Share Subscription::standing() const
 void Subscription::request(ReceiverId id, const Progress& progress, const std::vector<std::int64_t>& returned,
                            Clock::time_point now, Decisions& decisions)
 {
+    now_ = now;
     const auto found = consumers_.find(id);
     if (found == consumers_.end())
         return;
@@ -326,7 +335,7 @@ void Subscription::close(std::int64_t job, Fate fate)
     if (open_.erase(job) == 0)
         return;
     again_.erase(job);
-    ledger_.went(fate);
+    count(fate);
 }
 
 /// @param failed  the work failed, not the connection
@@ -383,6 +392,7 @@ Clock::duration Subscription::lease() const
 
 void Subscription::tick(Clock::time_point now, Decisions& decisions)
 {
+    now_ = now;
     missed_more_ = false;
     if (awaited_ && awaited_until_ && *awaited_until_ <= now)
         shared() ? cancel(decisions) : stop_waiting();

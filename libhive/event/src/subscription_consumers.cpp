@@ -9,6 +9,7 @@ namespace hive::event {
 std::int64_t Subscription::attach(ReceiverId id, const ConnectionOptions& options, const Kept& kept, Ledger* own,
                                   Clock::time_point now, Decisions& decisions)
 {
+    now_ = now;
     Consumer consumer{.options = options, .own = own, .credit = Credit(options, kept.held)};
     consumer.asked_at = ++order_;
     consumer.head_since = now;
@@ -64,6 +65,7 @@ void Subscription::take_back(Away& away, std::int64_t count)
 
 void Subscription::detach(ReceiverId id, Fate how, bool returns, Clock::time_point now, Decisions& decisions)
 {
+    now_ = now;
     auto consumer = consumers_.extract(id);
     if (consumer.empty())
         return;
@@ -170,7 +172,7 @@ void Subscription::give_up(bool also_in_doubt, Decisions& decisions)
     }
     while (!fresh_.empty()) {
         const auto event = take_fresh();
-        ledger_.went(Fate::abandoned);
+        count(Fate::abandoned);
         if (kind_.redelivers)
             decisions.failed.push_back(event);
     }
@@ -179,7 +181,7 @@ void Subscription::give_up(bool also_in_doubt, Decisions& decisions)
 /// Ends all remaining events with this outcome.
 void Subscription::clear(Fate how)
 {
-    ledger_.went(how, static_cast<std::int64_t>(fresh_.size() + open_.size()));
+    count(how, static_cast<std::int64_t>(fresh_.size() + open_.size()));
     fresh_.clear();
     fresh_bytes_ = 0;
     open_.clear();

@@ -6,7 +6,9 @@
 #include <hive/event/clock.hpp>
 #include <hive/status.hpp>
 
+#include <array>
 #include <atomic>
+#include <map>
 #include <mutex>
 #include <optional>
 
@@ -51,6 +53,8 @@ public:
     // --- the work ---
     void begin_work(const std::string& callback);
     void end_work();
+    /// 99 % of the last calls of this callback took at most this long; 0: none yet.
+    [[nodiscard]] std::int64_t work_p99_us(const std::string& callback) const;
     void prepared(bool yes);
     void matched(std::size_t matching, MatchCounts counts);
 
@@ -65,8 +69,21 @@ public:
 
 private:
     std::atomic<bool> halted_ = false, stopping_ = false, handing_over_ = false;
+    /// The last calls of a callback by duration, older ones with less weight. Four classes to a doubling.
+    class Durations {
+    public:
+        void add(std::int64_t us);
+        [[nodiscard]] std::int64_t p99_us() const;
+
+    private:
+        static constexpr int classes_per_doubling = 4, classes = 35 * classes_per_doubling;  // up to 9 h
+        std::array<std::uint32_t, classes> counts_{};
+        std::uint32_t total_ = 0;
+    };
+
     mutable std::mutex mutex_;
     Values values_;
+    std::map<std::string, Durations> durations_;  ///< by callback
 };
 
 }  // namespace hive::service

@@ -114,6 +114,7 @@ std::vector<InputStatus> StatusReport::inputs() const
         rows.push_back(intake->status());
         rows.back().queued = mailbox_.count(event::came_over(*intake));
         rows.back().in_hand -= rows.back().queued;
+        rows.back().work_p99_us = board_.work_p99_us(rows.back().input);
     }
     return rows;
 }

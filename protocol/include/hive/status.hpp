@@ -51,6 +51,8 @@ inline constexpr std::size_t fates = 9;
 
 std::string_view token(Reason value) noexcept;  // "place_kept"; none: ""
 std::string_view token(Fate value) noexcept;    // "lost_killed"
+/// Was the delivery of such an event promised? Not of one that was skipped, or in transit when the receiver left.
+bool is_loss(Fate fate) noexcept;
 
 /// The counters of one edge or group at the sender. Invariant: came = the sum of all fates + in flight.
 class Ledger {
@@ -84,6 +86,7 @@ struct EdgeStatus {
     Ledger events{};
     std::int64_t waiting = 0;               ///< the part of those in flight that is not sent yet
     std::int64_t shared = 0, fallback = 0;  ///< bodies sent through shared memory, and bodies that could not be
+    std::int64_t last_lost_us = 0;          ///< wall clock of the newest loss (is_loss); 0: none
     Reason why{};
 };
 
@@ -102,6 +105,7 @@ struct OutputStatus {
 struct InputStatus {
     std::string input;
     std::string from{};             ///< "camera.image"
+    std::string kind{};             ///< of the sender, when it was last connected; empty: never
     bool connected = false;         ///< registered with the sender now
     std::int64_t registration = 0;  ///< epoch of the current or last registration
     ConnectionOptions options{};
@@ -113,10 +117,13 @@ struct InputStatus {
     std::int64_t dropped = 0;     ///< the drone's queue was full
     std::int64_t unmatched = 0;   ///< without a partner at the other inputs
     std::int64_t queued = 0;
-    std::int64_t in_hand = 0;  ///< in progress in the drone's code
+    std::int64_t in_hand = 0;       ///< in progress in the drone's code
+    std::int64_t last_lost_us = 0;  ///< wall clock of the newest abandoned or dropped event; 0: none
+    std::int64_t work_p99_us = 0;   ///< 99 % of the last events took the drone's code at most this long; 0: none yet
     std::int64_t last_age_us = 0;
     std::int64_t round_trip_us = 0;    ///< shortest recent one, to a sender on another machine; 0: not measured
     std::int64_t clock_offset_us = 0;  ///< that machine's wall clock minus the local one
+    std::int64_t disconnected_us = 0;  ///< wall clock of the end of the last connection; 0: connected, or never was
     std::string error{};               ///< why it is not connected
     Reason why{};
 };

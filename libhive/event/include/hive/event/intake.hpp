@@ -148,7 +148,9 @@ private:
     int held_ = 0;
     bool held_up_ = false;  ///< it would have reconnected meanwhile
     std::function<void()> on_left_;
-    std::optional<Error> problem_;  ///< why it is not connected
+    std::optional<Error> problem_;                         ///< why it is not connected
+    std::string kind_{};                                   ///< of the sender
+    std::int64_t last_lost_us_ = 0, disconnected_us_ = 0;  ///< wall clock
     Clock::time_point lost_at_ = Clock::now();
     std::optional<std::string> end_;            ///< the end and its text
     std::int64_t question_ = 0, answered_ = 0;  ///< the last question about the end, and the last answered

@@ -71,6 +71,7 @@ public:
     struct Row {
         Id id;  ///< 0: a group, or a receiver without a current registration
         EdgeStatus status;
+        Clock::time_point last_loss{};  ///< see Subscription::last_loss()
     };
     /// Switches of tests that show a defence by its absence.
     struct Defences {

@@ -146,6 +146,8 @@ public:
     [[nodiscard]] Reason why() const;
     [[nodiscard]] Reason why(ReceiverId consumer) const;
     [[nodiscard]] const Ledger& ledger() const noexcept { return ledger_; }
+    /// Time of the newest loss (is_loss), to the call before it; the start of the clock: none.
+    [[nodiscard]] Clock::time_point last_loss() const noexcept { return last_loss_; }
     /// True while the consumer is absent and may return, but the source does not wait: its lossless events are lost.
     [[nodiscard]] bool missing() const noexcept { return missing_as_.has_value(); }
     [[nodiscard]] const Missed& missed() const noexcept { return missed_; }
@@ -228,6 +230,7 @@ private:
     [[nodiscard]] EmissionPtr next() const;
     void settle(Decisions& decisions);
     void abandon(std::int64_t number, Decisions& decisions);
+    void count(Fate fate, std::int64_t events = 1);
     void give_up(bool also_in_doubt, Decisions& decisions);
     void clear(Fate how);
 
@@ -242,6 +245,8 @@ private:
     std::int64_t jobs_ = 0;
     std::uint64_t order_ = 0;
     WorkTimes times_;
+    Clock::time_point now_{};  ///< of the last call that had a time
+    Clock::time_point last_loss_{};
     std::optional<bool> lossless_;  ///< was the last event lossless? The next one probably is too
     bool awaited_ = false, ended_ = false;
     std::optional<Clock::time_point> awaited_until_;
