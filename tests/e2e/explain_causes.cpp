@@ -22,6 +22,8 @@ TEST_CASE("explain: a drone that has crashed, with its signal and where (needs a
         return;
     const Swarm swarm;
     const auto source = swarm.drone("ticker", "source", {"fps=20"}), fragile = swarm.drone("crasher", "fragile");
+    auto application = swarm.application();
+    application.set("fragile", {{"from", 40}});  // 2 s later
     swarm.hivectl_done({"connect", "source", "fragile"});
     const auto crashed = awaited(swarm, "explain fragile", "crashed fragile");
     CHECK_MESSAGE(has(crashed.text(), "SIGSEGV in crasher::write_to_null"), crashed.text());
@@ -32,7 +34,7 @@ TEST_CASE("explain: a drone that has crashed, with its signal and where (needs a
                   evidence());
     CHECK(has(swarm.hivectl_done({"ps"}), "; hivectl rerun fragile 1"));
     CHECK(has(swarm.hivectl({"rerun", "fragile", "1"}, 30'000ms).out, "SIGSEGV in crasher::write_to_null"));
-    CHECK(swarm.run({"/bin/sh", "-c", crashed.command() + " how=none"}).exit_code == 0);
+    cure(swarm, crashed);
     CHECK(runs(swarm, "explain source fragile"));
 }
 
@@ -151,12 +153,11 @@ TEST_CASE("explain: a set that is prepared and not decided")
         while (!over.stop_requested())
             asker.next(50ms);
     });
-    const auto prepared = found(swarm, "explain worker");
-    CHECK_MESSAGE(prepared.causes == "set_prepared worker", prepared.text());
+    const auto prepared = awaited(swarm, "explain worker", "set_prepared worker");
+    cure(swarm, prepared);
+    CHECK(runs(swarm, "explain worker"));
     alive.request_stop();
     alive.join();
-    asker.close();
-    CHECK(runs(swarm, "explain worker"));
 }
 
 TEST_CASE("explain: on demand, a source that is only watched")
@@ -177,11 +178,11 @@ TEST_CASE("explain: code that has been busy with one event for far longer than u
     const auto results = swarm.hivectl_running({"results", "worker", "--stay"}, "results");
     application.connect({"source", ""}, {"worker", ""});
     CHECK(runs(swarm, "explain worker"));
-    application.set("worker", {{"work_ms", 120'000}});
+    application.set("worker", {{"hang_from", application.status("source").outputs.at(0).produced + 25}});
     const auto stuck = awaited(swarm, "explain worker", "stuck worker", 30'000ms);
     CHECK_MESSAGE(has(stuck.evidence(), "input image"), stuck.text());
     CHECK(stuck.command() == "hivectl replace worker");
-    CHECK(swarm.run({"/bin/sh", "-c", stuck.command() + " work_ms=0"}).exit_code == 0);
+    cure(swarm, stuck);
     CHECK(runs(swarm, "explain worker"));
 
     CHECK(eventually([&] { return processed(application, "worker") > 300; }));  // often enough to be usual
@@ -198,8 +199,12 @@ TEST_CASE("explain: a source that makes nothing and does not say why")
     const auto worker = swarm.drone("sleeper", "worker");
     swarm.hivectl_done({"connect", "source", "worker"});
     const auto silent = awaited(swarm, "explain worker", "silent_source source");
-    CHECK(silent.command() == "hivectl logs source");
+    CHECK(silent.command() == "hivectl replace source");
     CHECK(found(swarm, "explain").causes == "silent_source source");
+    auto application = swarm.application();
+    const auto before = processed(application, "worker");
+    cure(swarm, silent);
+    CHECK(eventually([&] { return processed(application, "worker") >= before + 15; }));
 }
 
 TEST_CASE("explain: a camera that encodes all the time")
@@ -228,8 +233,7 @@ TEST_CASE("explain: bodies that shared memory does not take")
     const auto copied = awaited(swarm, "explain worker", "copied worker");
     CHECK(copied.exit_code == 0);
     CHECK_MESSAGE(has(copied.evidence(), " copied, 0 through shared memory"), copied.text());
-    cure(swarm, copied);
-    swarm.hivectl_done({"replace", "source"});
+    cure(swarm, copied);  // by a process without the limit
     CHECK(runs(swarm, "explain worker"));
 }
 
@@ -238,8 +242,8 @@ TEST_CASE("explain: a machine whose processors are all busy, with who uses them"
     const Swarm swarm;
     const auto source = swarm.drone("ticker", "source", {"fps=20"}), worker = swarm.drone("sleeper", "worker");
     swarm.hivectl_done({"connect", "source", "worker"});
-    const auto full = [&] {
-        const auto now = found(swarm, "explain worker");
+    const auto full = [&](const std::string& words = "explain worker") {
+        const auto now = found(swarm, words);
         for (const auto& cause : now.json.at("causes"))
             if (cause.at("what") == "load")
                 return cause;
@@ -253,4 +257,18 @@ TEST_CASE("explain: a machine whose processors are all busy, with who uses them"
     CHECK(eventually([&] { return !(load = full()).is_null(); }));
     CHECK_MESSAGE(has(load.dump(), "other programs "), load.dump());
     CHECK(load.at("blocks") == false);
+    CHECK(load.at("command") == "hivectl top");  // no drone is to blame
+    others.clear();
+
+    swarm.hivectl_done({"set", "source", "fps=50"});
+    std::vector<Process> hogs;
+    for (int i = 0; i < ::sysconf(_SC_NPROCESSORS_ONLN); ++i) {
+        const auto name = "hog" + std::to_string(i);
+        hogs.push_back(swarm.drone("sleeper", name, {"burn_ms=100"}));
+        swarm.hivectl_done({"connect", "source", name});
+    }
+    REQUIRE(eventually([&] { return !(load = full("explain")).is_null() && load.at("command") != "hivectl top"; }));
+    CHECK_MESSAGE(has(load.at("command").get<std::string>(), "hivectl halt hog"), load.dump());
+    CHECK(Shell(swarm).run(load.at("command")).exit_code == 0);
+    CHECK(eventually([&] { return full("explain").is_null(); }));
 }

@@ -6,6 +6,9 @@
 
 #include <doctest/doctest.h>
 
+#include <cstdlib>
+#include <fstream>
+
 namespace hive::test {
 
 /// One explanation.
@@ -60,12 +63,29 @@ inline Found found(const Shell& shell, const std::string& words)
     return found;
 }
 
-/// The explanation, once it is this one.
+/// Appends what was caused and what explain named first, for the test that counts both.
+inline void note_named(const std::string& caused, const std::string& named)
+{
+    if (const char* file = std::getenv("HIVE_TEST_NAMED"))
+        std::ofstream(file, std::ios::app) << caused << "\t" << named << "\n";
+}
+
+/// The explanation, once it is this one. The first explanation with a cause is noted, right or wrong.
 inline Found awaited(const Shell& shell, const std::string& words, const std::string& causes,
                      Milliseconds patience = Milliseconds(15'000))
 {
     Found now;
-    CHECK_MESSAGE(eventually([&] { return (now = found(shell, words)).causes == causes; }, patience), now.text());
+    bool noted = false;
+    CHECK_MESSAGE(eventually(
+                      [&] {
+                          now = found(shell, words);
+                          if (!noted && !now.causes.empty())
+                              note_named(causes, now.causes);
+                          noted = noted || !now.causes.empty();
+                          return now.causes == causes;
+                      },
+                      patience),
+                  now.text());
     return now;
 }
 

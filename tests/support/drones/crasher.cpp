@@ -57,12 +57,20 @@ int main(int argc, char** argv)
 {
     return hive::run_drone(argc, argv, {"crasher", "Dies of each event, for tests."}, [](hive::Drone& drone) {
         std::string how = "null", at_start = "none";
+        int from = 0;
         const auto kinds = hive::one_of({"null", "stack", "heap", "call", "abort", "throw", "none"});
         drone.parameter("how", how, kinds, "what each event does");
+        drone.parameter("from", from, hive::at_least(0),
+                        "only an event with this sequence number or one of the next 4 does it; 0: each");
         drone.parameter("at_start", at_start, kinds, "what the start does");
         drone.on_start([&] { crasher::crash(at_start); });
         drone.on_event(
-            "in", "*/*", [&](const hive::Event&) { crasher::crash(how); }, "anything");
+            "in", "*/*",
+            [&](const hive::Event& event) {
+                if (from == 0 || (event.identity.sequence >= from && event.identity.sequence < from + 5))
+                    crasher::crash(how);
+            },
+            "anything");
         drone.run();
     });
 }

@@ -39,7 +39,7 @@ void sleeper(hive::Drone& drone)
 {
     bool emits = true;
     int holds_mb = 0, emits_every = 1, start_ms = 0, work_ms = 0, burn_ms = 0, step_ms = 1, most_ms = 600'000,
-        throw_at = 0, thrown_at = 0, throw_every = 0;
+        throw_at = 0, thrown_at = 0, hang_from = 0, throw_every = 0;
     drone.parameter("start_ms", start_ms, hive::between(0, 600'000).in("ms"),
                     "how long it takes at the next start until it is ready");
     drone.parameter("work_ms", work_ms, hive::between(0, 600'000).in("ms"), "how long each event takes");
@@ -53,6 +53,8 @@ void sleeper(hive::Drone& drone)
                     "throws once, on the first event with this sequence number or a later one; 0: never");
     drone.parameter("throw_every", throw_every, hive::at_least(0),
                     "throws on each event whose sequence number it divides, at every attempt; 0: never");
+    drone.parameter("hang_from", hang_from, hive::at_least(0),
+                    "hangs at an event with this sequence number or one of the next 49; 0: never");
     drone.parameter("emits", emits, {}, "gives a result for each event");
     drone.parameter("emits_every", emits_every, hive::at_least(1),
                     "gives results only for sequence numbers that it divides");
@@ -75,6 +77,8 @@ void sleeper(hive::Drone& drone)
         [&](const hive::Event& event) {
             std::this_thread::sleep_for(std::chrono::milliseconds(work_ms));
             burn(std::chrono::milliseconds(burn_ms));
+            while (hang_from > 0 && event.identity.sequence >= hang_from && event.identity.sequence < hang_from + 50)
+                std::this_thread::sleep_for(std::chrono::seconds(1));
             if (throw_at != thrown_at && throw_at > 0 && event.identity.sequence >= throw_at) {
                 thrown_at = throw_at;
                 throw std::runtime_error("event " + std::to_string(event.identity.sequence) + " is not to my taste");

@@ -170,8 +170,16 @@ void name_failure(Application& application, Cause& cause)
                           + cause.drone + " " + std::to_string(failure->number);
 }
 
+/// A stateful drone must be told that its state is lost.
+void replace_stateful(Application& application, Cause& cause)
+{
+    if (cause.command == "hivectl replace " + cause.drone && application.describe(cause.drone).stateful)
+        cause.command += " --lose-state";
+}
+
 void complete(Application& application, Cause& cause)
 try {
+    replace_stateful(application, cause);
     switch (cause.what) {
     case What::crashed:
     case What::failed:

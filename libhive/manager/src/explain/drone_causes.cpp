@@ -1,4 +1,5 @@
 // Causes from a drone's own status, and from what is known of one that does not answer.
+#include "../directory.hpp"
 #include "search.hpp"
 
 #include <hive/duration_text.hpp>
@@ -75,6 +76,14 @@ std::string command_in(const std::string& advice)
 
 }  // namespace
 
+std::string p99_text(const Status& status)
+{
+    const auto longest = std::ranges::max_element(status.inputs, {}, &InputStatus::work_p99_us);
+    return longest == status.inputs.end() || longest->work_p99_us == 0
+               ? ""
+               : ", 99 % within " + duration_text(longest->work_p99_us);
+}
+
 std::int64_t work_us(const Status& status)
 {
     const auto done = processed(status, &InputStatus::processed) + processed(status, &InputStatus::abandoned);
@@ -123,13 +132,49 @@ void Search::silent(const StatusAnswer& answer, const std::string& evidence)
             "kill -CONT " + std::to_string(suspended->second));
     else if (is_elsewhere(answer.place) && (error.code() == Errc::timeout || error.code() == Errc::unreachable))
         add(What::unreachable, answer.drone,
-            answer.drone + " at " + answer.place.host + " does not answer: " + error.what(), evidence,
+            answer.drone + " at " + answer.place.host + " does not answer: " + error.what(),
+            evidence + (evidence.empty() || lost_text(answer.drone).empty() ? "" : "; ") + lost_text(answer.drone),
             answer.place.ssh.empty() ? "hivectl place list" : "ssh " + answer.place.ssh + " hivectl ps");
     else if (error.code() == Errc::timeout)
-        add(What::no_answer, answer.drone, error.what(), evidence, "hivectl logs " + answer.drone);
+        add(What::no_answer, answer.drone, error.what(), evidence,
+            restart(answer.drone, "hivectl logs " + answer.drone));
+    else if (error.code() == Errc::version_mismatch)  // after an update, its process is that of the old version
+        add(What::refused, answer.drone, answer.drone + " is of another version of Hive: " + error.what(), evidence,
+            is_elsewhere(answer.place)
+                ? (answer.place.ssh.empty() ? "" : "ssh " + answer.place.ssh + " ") + "hivectl --version"
+                : restart(answer.drone, "hivectl --version"));
     else
         add(What::refused, answer.drone, error.what() + (error.advice().empty() ? "" : "; " + error.advice()), evidence,
             command_in(error.advice()));
+}
+
+std::string Search::kind_of(const std::string& drone) const
+{
+    if (const auto known = absent_.kinds.find(drone); known != absent_.kinds.end())
+        return known->second;
+    for (const auto& answer : look_.answers)  // after a stop on purpose, its receivers still know it
+        for (const auto& input : answer.status.inputs)
+            if (owner_of(input.from) == drone && !input.kind.empty() && program_of(input.kind))
+                return input.kind;
+    return "";
+}
+
+std::string Search::restart(const std::string& drone, const std::string& otherwise) const
+{
+    const auto process = absent_.processes.find(drone);
+    const auto kind = kind_of(drone);
+    return process == absent_.processes.end() || kind.empty()
+               ? otherwise
+               : "kill -9 " + std::to_string(process->second) + " && " + start_command(kind, drone);
+}
+
+std::string Search::lost_text(const std::string& drone) const
+{
+    for (const auto& answer : look_.answers)
+        for (const auto& input : answer.status.inputs)
+            if (owner_of(input.from) == hive::drone_of(drone) && input.disconnected_us > 0)
+                return answer.drone + "." + input.input + " lost it " + ago_text(answer.status, input.disconnected_us);
+    return "";
 }
 
 /// @param text  empty: "face is not running"
@@ -137,8 +182,8 @@ void Search::not_running(const std::string& drone, const std::string& text, cons
 {
     const auto crash = std::ranges::find(absent_.crashed, drone, &CrashedDrone::drone);
     const auto failed = std::ranges::find(absent_.failed, drone, &FailedDrone::drone);
-    const auto kind = absent_.kinds.find(drone);
-    const auto command = kind == absent_.kinds.end() ? "hivectl logs " + drone : start_command(kind->second, drone);
+    const auto kind = kind_of(drone);
+    const auto command = kind.empty() ? "hivectl logs " + drone : start_command(kind, drone);
     if (failed != absent_.failed.end())
         add(What::failed, drone, drone + " crashes again and again: " + failed->reason, evidence,
             "hivectl logs " + drone);
@@ -146,7 +191,7 @@ void Search::not_running(const std::string& drone, const std::string& text, cons
         add(What::crashed, drone, drone + " has crashed: " + crash_text(*crash), evidence, command);
     else
         add(What::not_running, drone, text.empty() ? drone + " is not running" : text, evidence,
-            kind == absent_.kinds.end() ? "hivectl ps" : command);
+            kind.empty() ? "hivectl ps" : command);
 }
 
 bool Search::own(const StatusAnswer& answer)
@@ -159,7 +204,8 @@ bool Search::own(const StatusAnswer& answer)
     else if (status.state == State::halted || status.why == Reason::halted)
         add(What::halted, name, name + " has halted", halt_text(status), "hivectl resume " + name);
     else if (status.why == Reason::set_prepared)
-        add(What::set_prepared, name, name + " waits for an application to commit or abort the set that it prepared");
+        add(What::set_prepared, name, name + " waits for an application to commit or abort the set that it prepared",
+            "", "hivectl replace " + name);
     else if (status.why == Reason::source_ended)
         add(What::source_ended, name, name + " has reached the end of its source",
             std::to_string(emitted(status)) + " events emitted", "hivectl replace " + name);
@@ -191,8 +237,9 @@ bool Search::throws(const StatusAnswer& answer)
         answer.drone + (failed > 0 ? " throws at each event: " : " threw, and has emitted nothing since: ")
             + status.last_exception->text,
         abandoned_text(status) + ", " + std::to_string(processed(status, &InputStatus::processed))
-            + " processed; last exception " + ago_text(status, status.last_exception->time_us),
-        "hivectl exceptions " + answer.drone);
+            + " processed; last exception " + ago_text(status, status.last_exception->time_us)
+            + ", see hivectl exceptions " + answer.drone,
+        "hivectl replace " + answer.drone);
     return true;
 }
 
@@ -218,10 +265,11 @@ bool Search::stuck(const StatusAnswer& answer)
 Cause& Search::slow(const StatusAnswer& answer, const std::string& evidence)
 {
     const auto usual = work_us(answer.status);
-    auto& cause = add(What::slow, answer.drone,
-                      usual > 0 ? answer.drone + " takes " + duration_text(usual) + " for one event"
-                                : answer.drone + " works on its first event",
-                      evidence + "; busy for " + duration_text(answer.status.busy_for_us), "hivectl top --once");
+    auto& cause =
+        add(What::slow, answer.drone,
+            usual > 0 ? answer.drone + " takes " + duration_text(usual) + " for one event" + p99_text(answer.status)
+                      : answer.drone + " works on its first event",
+            evidence + "; busy for " + duration_text(answer.status.busy_for_us), "hivectl top --once");
     cause.blocks = false;
     return cause;
 }
@@ -247,7 +295,7 @@ void Search::quiet(const StatusAnswer& answer, const std::string& port)
             add(What::source_ended, answer.drone, end + " has ended", since, "hivectl replace " + answer.drone);
         else if (status.inputs.empty())
             add(What::silent_source, answer.drone, end + " sends nothing, and the drone does not report why", since,
-                "hivectl logs " + answer.drone);
+                "hivectl replace " + answer.drone);
         else if (!earlier_
                  || (earlier
                      && processed(status, &InputStatus::processed) > processed(*earlier, &InputStatus::processed)))

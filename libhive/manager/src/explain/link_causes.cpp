@@ -68,7 +68,7 @@ void Search::unconnected(const StatusAnswer& answer, const InputStatus& input)
     else if (input.why == Reason::dialing)
         add(What::dialing, answer.drone,
             end + " is not connected to " + input.from + (input.error.empty() ? "" : ": " + input.error), "",
-            "hivectl logs " + answer.drone)
+            "hivectl connect " + input.from + " " + end)
             .connection = connection;
 }
 
@@ -126,7 +126,7 @@ void Search::dropping(const StatusAnswer& answer, const InputStatus& input)
     if (input.dropped > was)
         slower(What::slow, link, answer.drone + " takes events more slowly than they come",
                std::to_string(input.dropped) + " events dropped, " + duration_text(work_us(answer.status))
-                   + " for each event",
+                   + " for each event" + p99_text(answer.status),
                "hivectl advise " + answer.drone);
 }
 
@@ -139,7 +139,7 @@ void Search::copied(const StatusAnswer& answer, const InputStatus& input)
     slower(What::copied, link, "shared memory does not take the bodies, which are copied",
            std::to_string(link.edge->fallback) + " copied, " + std::to_string(link.edge->shared)
                + " through shared memory",
-           "hivectl logs " + link.sender->drone);
+           "hivectl replace " + link.sender->drone);
 }
 
 }  // namespace explaining

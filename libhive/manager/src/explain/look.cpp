@@ -45,6 +45,8 @@ void Absent::add(Application& application, const std::string& drone)
         return;
     const event::Home home(application.home());
     const auto pid = home.holder(drone);
+    if (home.alive(drone) && pid > 0)
+        processes[drone] = pid;
     if (home.alive(drone) && platform::process_is_suspended(pid))
         suspended[drone] = pid;
     else if (home.alive(drone) && !std::filesystem::exists(home.path(drone, ".sock")))
@@ -94,12 +96,16 @@ std::vector<const EdgeStatus*> awaited(const OutputStatus& output)
     for (const auto& edge : output.edges) {
         if (edge.why != output.why)
             continue;
-        if (!edge.group)
+        if (!edge.group) {
             edges.push_back(&edge);
-        else
-            for (const auto& member : output.edges)
-                if (!member.group && member.options.group == edge.options.group)
-                    edges.push_back(&member);
+            continue;
+        }
+        std::vector<const EdgeStatus*> present, lost;
+        for (const auto& member : output.edges)
+            if (!member.group && member.options.group == edge.options.group)
+                (member.connected ? present : lost).push_back(&member);
+        const auto& members = present.empty() ? lost : present;  // these have the work of the lost ones
+        edges.insert(edges.end(), members.begin(), members.end());
     }
     std::ranges::sort(edges);
     edges.erase(std::unique(edges.begin(), edges.end()), edges.end());

@@ -17,6 +17,7 @@ struct Absent {
     std::map<std::string, std::int64_t> suspended;  ///< process, by drone
     std::map<std::string, std::int64_t> starting;   ///< process that has the name, but is not reachable yet
     std::map<std::string, std::string> kinds;       ///< by drone, for those that can be started
+    std::map<std::string, std::int64_t> processes;  ///< that hold the name, by drone
 
     /// Reads the facts about a drone of this machine.
     void add(Application& application, const std::string& drone);
@@ -35,7 +36,7 @@ Look look_from(Application& application, const std::vector<std::string>& drones)
 /// "camera" of "camera.image".
 std::string owner_of(const std::string& end);
 bool is_elsewhere(const Place& place);
-/// Edges for which an output waits: of a group, its members.
+/// Edges for which an output waits: of a group, its connected members, or those that it lost if none is connected.
 std::vector<const EdgeStatus*> awaited(const OutputStatus& output);
 
 }  // namespace hive::explaining

@@ -101,6 +101,8 @@ void add_processors(std::vector<Cause>& causes, const Machine& machine)
         rest -= user.processors;
     }
     busy.evidence += "other programs " + tenths(std::max(0.0, rest));
+    if (users.front().processors > std::max(rest, noticeable * count))  // without it, there is time for the others
+        busy.command = "hivectl halt " + users.front().drone;
 }
 
 /// "this machine", or the group of the drone whose process the kernel kills at the limit.
@@ -150,7 +152,8 @@ void add_clocks(std::vector<Cause>& causes, const Look& look)
                                                           + (input.clock_offset_us > 0 ? " ahead of" : " behind")
                                                           + " that of " + machine_text(answer.place.host)));
             differs.evidence = "measured between " + sender->drone + " and " + answer.drone;
-            differs.command = (sender->place.ssh.empty() ? "" : "ssh " + sender->place.ssh + " ") + "timedatectl";
+            differs.command =
+                (sender->place.ssh.empty() ? "" : "ssh " + sender->place.ssh + " ") + "timedatectl set-ntp true";
         }
 }
 

@@ -173,8 +173,8 @@ void Search::missing_receiver(const StatusAnswer& sender, const Wait& wait)
     const auto drone = owner_of(wait.edge.receiver);
     if (wait.edge.connected)  // an application, or a drone that only its sender knows
         add(Cause::What::waits, sender.drone, wait.edge.receiver + " does not request more events of " + wait.end,
-            wait.text(), "hivectl connections " + sender.drone);
-    else if (absent_.kinds.contains(drone))
+            wait.text(), "hivectl disconnect " + wait.end + " " + wait.edge.receiver);
+    else if (!kind_of(drone).empty())
         not_running(drone, "", wait.text());
     else
         add(Cause::What::receiver_away, drone, wait.edge.receiver + " is away, and " + wait.end + " waits for it",
@@ -201,7 +201,7 @@ Cause& Search::receiver_cause(const StatusAnswer& answer, const Wait& wait)
         return slow(answer, wait.text());
     return add(Cause::What::waits, answer.drone,
                wait.end + " waits for " + wait.edge.receiver + ": " + std::string(sentence(wait.edge.why)), wait.text(),
-               "hivectl connections " + answer.drone);
+               "hivectl replace " + answer.drone);
 }
 
 std::string Search::Wait::text() const

@@ -64,6 +64,12 @@ private:
     void link(const StatusAnswer& receiver, const InputStatus& input);
     void silent(const StatusAnswer& answer, const std::string& evidence);
     void not_running(const std::string& drone, const std::string& text, const std::string& evidence);
+    /// Its kind, if it can be started; empty: not known.
+    [[nodiscard]] std::string kind_of(const std::string& drone) const;
+    /// For a process that answers no request. @param otherwise  the command if its process or kind is not known
+    [[nodiscard]] std::string restart(const std::string& drone, const std::string& otherwise) const;
+    /// How long ago receivers lost it: "worker.image lost it 12 s ago"; empty: not known.
+    [[nodiscard]] std::string lost_text(const std::string& drone) const;
     /// Examines the drone's own status. @return whether it has a cause
     bool own(const StatusAnswer& answer);
     bool throws(const StatusAnswer& answer);
@@ -111,6 +117,8 @@ std::int64_t processed(const Status& status, std::int64_t InputStatus::*count);
 std::int64_t quiet_us(const Status& status, const OutputStatus& output);
 /// Processing time of one event; 0: not known yet.
 std::int64_t work_us(const Status& status);
+/// ", 99 % within 52 ms", of the slowest input; empty: not known yet.
+std::string p99_text(const Status& status);
 /// Events emitted by all outputs, without exceptions.
 std::int64_t emitted(const Status& status);
 
