@@ -11,6 +11,11 @@
 #include <hive/audit.hpp>
 
 #include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <ctime>
+#include <map>
+#include <optional>
 
 namespace hivectl::audit_verb {
 namespace {
@@ -19,8 +24,42 @@ using namespace std::chrono_literals;
 
 struct Options {
     bool watch = false;
+    std::string since;
     double interval_s = 1;
 };
+
+std::int64_t wall_us()
+{
+    return std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::system_clock::now().time_since_epoch())
+        .count();
+}
+
+/// "90s", "10m", "2h" and "1d" are before now; "14:05" and "14:05:10" are the last such time.
+std::int64_t since_us(const std::string& text)
+{
+    static const std::map<char, double> units{{'s', 1}, {'m', 60}, {'h', 3600}, {'d', 86'400}};
+    constexpr std::int64_t second_us = 1'000'000;
+    double count = 0;
+    const auto* const last = text.data() + text.size();
+    const auto [end, error] = std::from_chars(text.data(), last, count);
+    if (error == std::errc() && end + 1 == last && units.contains(*end) && count >= 0)
+        return wall_us() - static_cast<std::int64_t>(std::min(count, 1e6) * units.at(*end)) * second_us;
+    const auto now = std::time(nullptr);
+    for (const std::string form : {"%H:%M:%S", "%H:%M", "%Y-%m-%dT%H:%M:%S"}) {
+        std::tm time{};
+        ::localtime_r(&now, &time);
+        time.tm_sec = 0;
+        const auto* rest = ::strptime(text.c_str(), form.c_str(), &time);
+        if (!rest || *rest != '\0')
+            continue;
+        time.tm_isdst = -1;
+        const auto then = std::mktime(&time);
+        constexpr std::time_t day = 86'400;
+        return (form[1] == 'H' && then > now ? then - day : then) * second_us;
+    }
+    throw hive::Error(hive::Errc::invalid_argument, "--since " + text + " is not a time",
+                      "give 90s, 10m, 2h, 1d, 14:05 or 2026-11-27T14:05:00");
+}
 
 /// In reading order.
 Row row_of(const hive::AuditRow& row)
@@ -31,9 +70,17 @@ Row row_of(const hive::AuditRow& row)
         result.add(key, json.at(key));
     for (std::size_t fate = 0; fate < hive::fates; ++fate)
         result.add(std::string(token(static_cast<hive::Fate>(fate))), json.at(token(static_cast<hive::Fate>(fate))));
-    for (const auto* key : {"in_flight", "received", "processed", "lost", "fates", "losses", "differences", "verdict"})
+    for (const auto* key :
+         {"in_flight", "received", "processed", "lost", "last_lost_us", "fates", "losses", "differences", "verdict"})
         result.add(key, json.at(key));
     return result;
+}
+
+/// "3 min"; empty: nothing was lost.
+std::string as_age(const hive::Json& time_us)
+{
+    return as_duration(
+        time_us.is_null() ? time_us : hive::Json(std::max<std::int64_t>(0, wall_us() - time_us.get<std::int64_t>())));
 }
 
 Colour verdict_colour(const hive::Json& verdict) { return loss_colour(verdict == "ok" ? 0 : 1); }
@@ -47,6 +94,7 @@ const std::vector<Column> columns{{"FROM", "from"},
                                   detail({"RECEIVED", "received"}),
                                   detail({"PROCESSED", "processed"}),
                                   {"LOST", "lost", nullptr, nothing, loss_colour},
+                                  {"LAST", "last_lost_us", as_age, nothing},
                                   {"FATES", "fates", nullptr, nothing},
                                   {"VERDICT", "verdict", nullptr, {}, verdict_colour}};
 
@@ -82,11 +130,14 @@ void report(const hive::Audit& audit, Session& session, bool watch)
 
 int run(const Options& options, Session& session)
 {
+    const auto since = options.since.empty() ? std::nullopt : std::optional(since_us(options.since));
     auto& application = session.application(1s);
     const interrupt::Deferred deferred;
     bool clean = true;
     do {
-        const auto audit = hive::audit(application);
+        auto audit = hive::audit(application);
+        if (since)
+            audit.forget_before(*since);
         clean = audit.clean();
         report(audit, session, options.watch);
     } while (options.watch
@@ -104,6 +155,9 @@ Run declare(CommandLine& line, Session& session)
         .type_name("SECONDS")
         .seconds(0.05, 3600)
         .needs(watch);
+    line.option("--since", options->since,
+                "leave out connections whose last loss is older: 90s, 10m, 2h, 1d, 14:05, or 2026-11-27T14:05:00")
+        .type_name("TIME");
     return [options, &session] { return run(*options, session); };
 }
 
@@ -114,7 +168,7 @@ Verb verb()
     return {
         .name = "audit",
         .group = "errors",
-        .usage = "[--watch] [options]",
+        .usage = "[--watch] [--since TIME] [options]",
         .summary = "Reports lost events, and where they were lost",
         .details =
             "One row for each connection, and one for each group, with the counts of both ends. CAME is always the sum "
@@ -129,9 +183,13 @@ Verb verb()
             "sender only, if the receiver is an application or does not answer; receiver gone; sender gone; "
             "closed: FROM is \"closed connections\", and the row has what an input lost in connections that no longer "
             "exist, or of what hivectl put sent.\n\n"
+            "LAST is the age of the last loss, by the clock of the drone that counts it. Counters are those since the "
+            "start of a drone and have no history: with --since, a connection whose last loss is older counts as "
+            "without loss, and any other with all that it lost.\n\n"
             "The exit code is 9 if anything was lost or the ends disagree, otherwise 0; with --watch, that of the last "
             "table.",
         .examples = "hivectl audit\n"
+                    "hivectl audit --since 10m\n"
                     "hivectl audit --json | jq '.[] | select(.lost > 0)'",
         .timeout = "how long to wait for the answer of a drone (default 1)",
         .table = true,

@@ -414,8 +414,9 @@ HIVE_API hive_code hive_application_advise(hive_application* application, const 
                                            char** json, size_t* length);
 /* Whether anything was lost: {"clean": false if it was, "connections": [{"from", "to", "state", "came", a count for
    each fate, "in_flight", "received", "processed", "lost", "fates": a text, "losses": [{"fate", "at", "events",
-   "promised", "reason"}], "differences": [text], "verdict": "ok", "lost" or "differs"}], "silent": [drones that did not
-   answer]}. A count is null if its end did not answer. Queries all drones three times. */
+   "promised", "last_us": wall clock of the newest, "reason"}], "differences": [text], "verdict": "ok", "lost" or
+   "differs"}], "silent": [drones that did not answer]}. A count is null if its end did not answer. Queries all drones
+   three times. */
 HIVE_API hive_code hive_application_audit(hive_application* application, char** json, size_t* length);
 /* The drones and connections of the swarm: {"drones": [{"name", "host", "kind", "state", "note"}], "connections":
    [{"from", "to", "group", "connected"}]}. "host" is "local" for this machine, and "" for an application or a drone

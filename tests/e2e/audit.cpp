@@ -1,9 +1,12 @@
 // hivectl audit: counts of a running swarm never contradict each other, and losses are reported with their place.
 #include "swarm.hpp"
 
+#include <hive/event/clock.hpp>
+
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <thread>
 
 using namespace hive::test;
 using namespace std::chrono_literals;
@@ -90,6 +93,7 @@ TEST_CASE("audit: a receiver that is killed, a queue that is full and code that 
                   {"at", "source"},
                   {"events", gone.at("lost")},
                   {"promised", true},
+                  {"last_us", gone.at("last_lost_us")},
                   {"reason", ""}});
     CHECK(gone.at("state") == "receiver gone");
 
@@ -109,6 +113,40 @@ TEST_CASE("audit: a receiver that is killed, a queue that is full and code that 
                         {.transfer = hive::Transfer::streaming, .group = {}, .lease = {}});
     CHECK(eventually([&] { return audited(swarm).row("slow.image").value("lost", 0) > 0; }));
     CHECK(audited(swarm).row("slow.image").at("verdict") == "lost");
+}
+
+TEST_CASE("audit: losses before a time are left out")
+{
+    const Swarm swarm;
+    const auto source = swarm.drone("ticker", "source", {"fps=50"});
+    auto killed = swarm.drone("sleeper", "killed", {"work_ms=60000"});
+    const auto thrower = swarm.drone("sleeper", "thrower", {"throw_at=1"});
+    auto application = swarm.application();
+    application.connect({"source", ""}, {"killed", ""});
+    application.connect({"source", ""}, {"thrower", ""});
+    REQUIRE(eventually([&] { return application.status("killed").state == hive::State::busy; }));
+    killed.kill();
+    Audited now;
+    const auto both_lost = [&] {
+        now = audited(swarm);
+        return now.row("killed.image").value("lost", 0) > 0 && now.row("thrower.image").value("lost", 0) > 0;
+    };
+    REQUIRE_MESSAGE(eventually(both_lost), now.rows.dump(2));
+    const auto exit_of = [&](const std::string& since) { return swarm.hivectl({"audit", "--since", since}).exit_code; };
+    CHECK(exit_of("1h") == 9);
+    for (const auto* row : {"killed.image", "thrower.image"}) {
+        const auto age_us = hive::event::wall_us() - now.row(row).at("last_lost_us").get<std::int64_t>();
+        CHECK(age_us >= 0);
+        CHECK(age_us < 60'000'000);
+    }
+    std::this_thread::sleep_for(1500ms);
+    CHECK(exit_of("1s") == 0);
+    CHECK(has(swarm.hivectl({"audit", "--since", "1s"}).err, "nothing was lost"));
+    application.set("thrower", {{"throw_every", 1}});
+    CHECK(eventually([&] { return exit_of("10s") == 9; }));
+    const auto wrong = swarm.hivectl({"audit", "--since", "yesterday"});
+    CHECK(wrong.exit_code == 2);
+    CHECK_MESSAGE(has(wrong.err, "yesterday"), wrong.err);
 }
 
 TEST_CASE("audit: it says which ends it knows")

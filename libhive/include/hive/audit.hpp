@@ -13,8 +13,9 @@ struct AuditLoss {
     std::string fate;  ///< "dropped", "lost_killed"; at the receiver: "abandoned", "dropped", "discarded" ...
     std::string at;    ///< the drone that counts it
     std::int64_t events = 0;
-    bool promised = true;  ///< false: the options or the receiver allow it, such as skipped events of a live source
-    std::string reason{};  ///< of abandoned events: the drone's last exception at that input; otherwise empty
+    bool promised = true;      ///< false: the options or the receiver allow it, such as skipped events of a live source
+    std::int64_t last_us = 0;  ///< wall clock of the newest loss that this end counts; 0: not known
+    std::string reason{};      ///< of abandoned events: the drone's last exception at that input; otherwise empty
 };
 
 /// One connection, or a group as a whole; or what an input lost in connections that were closed, or of what hivectl put
@@ -35,6 +36,10 @@ struct Audit {
 
     /// Do all counts agree, and was no promised event lost?
     [[nodiscard]] bool clean() const;
+    /// Leaves out losses of connections whose newest loss is older. Counters have no history, so the others keep all
+    /// events since the drone was started.
+    /// @param time_us  wall clock
+    void forget_before(std::int64_t time_us);
 };
 
 /// Queries all drones three times, because their counts are not of one instant: a receiver must have processed at the
@@ -46,8 +51,8 @@ Audit audit(const std::vector<StatusAnswer>& first, const std::vector<StatusAnsw
             const std::vector<StatusAnswer>& third);
 
 /// {"from", "to", "state", "came", a count for each fate, "in_flight", "received", "processed", "lost", "fates": a
-/// text, "losses": [{"fate", "at", "events", "promised", "reason"}], "differences": [text], "verdict": "ok", "lost" or
-/// "differs"}; a count is null if its end did not answer.
+/// text, "losses": [{"fate", "at", "events", "promised", "last_us", "reason"}], "differences": [text], "verdict": "ok",
+/// "lost" or "differs"}; a count is null if its end did not answer.
 Json to_json(const AuditRow& row);
 /// {"clean": flag, "connections": [rows as above], "silent": [drones]}
 Json to_json(const Audit& audit);

@@ -149,17 +149,21 @@ void check_ends(AuditRow& row)
 /// @param at_receiver  null: it does not answer
 void add_losses(AuditRow& row, const Status* at_receiver)
 {
+    std::int64_t last_us = 0;
     const auto add = [&](std::string_view fate, const std::string& at, std::int64_t events, bool promised,
                          const std::string& reason = {}) {
         if (events > 0)
-            row.losses.push_back({std::string(fate), at, events, promised, reason});
+            row.losses.push_back({std::string(fate), at, events, promised, promised ? last_us : 0, reason});
     };
     const auto sender = drone_of(row.ends.from), receiver = drone_of(row.ends.to);
-    if (const auto& edge = row.ends.at_sender)
+    if (const auto& edge = row.ends.at_sender) {
+        last_us = edge->last_lost_us;
         for (const auto fate : {Fate::skipped, Fate::dropped, Fate::abandoned, Fate::lost_connection, Fate::lost_killed,
                                 Fate::lost_cut_off, Fate::lost_left})
-            add(token(fate), sender, edge->events.of(fate), fate != Fate::skipped && fate != Fate::lost_left);
+            add(token(fate), sender, edge->events.of(fate), is_loss(fate));
+    }
     if (const auto& input = row.ends.at_receiver) {
+        last_us = input->last_lost_us;
         add("dropped", receiver, input->dropped, true);
         const auto* threw = at_receiver && at_receiver->last_exception ? &*at_receiver->last_exception : nullptr;
         add("abandoned", receiver, input->abandoned, true, threw && threw->input == input->input ? threw->text : "");
@@ -223,6 +227,12 @@ bool Audit::clean() const
     return std::ranges::all_of(rows, [](const AuditRow& row) { return row.lost() == 0 && row.differences.empty(); });
 }
 
+void Audit::forget_before(std::int64_t time_us)
+{
+    for (auto& row : rows)
+        std::erase_if(row.losses, [&](const AuditLoss& loss) { return loss.last_us != 0 && loss.last_us < time_us; });
+}
+
 Audit audit(const std::vector<StatusAnswer>& first, const std::vector<StatusAnswer>& second,
             const std::vector<StatusAnswer>& third)
 {
@@ -251,6 +261,15 @@ Audit audit(const std::vector<StatusAnswer>& first, const std::vector<StatusAnsw
     return audit;
 }
 
+/// Null: none, or not known.
+static Json last_loss(const AuditRow& row)
+{
+    std::int64_t last_us = 0;
+    for (const auto& loss : row.losses)
+        last_us = std::max(last_us, loss.last_us);
+    return last_us == 0 ? Json() : Json(last_us);
+}
+
 Json to_json(const AuditRow& row)
 {
     const auto& edge = row.ends.at_sender;
@@ -263,6 +282,7 @@ Json to_json(const AuditRow& row)
                           {"at", loss.at},
                           {"events", loss.events},
                           {"promised", loss.promised},
+                          {"last_us", loss.last_us},
                           {"reason", loss.reason}});
     Json json{{"from", row.ends.from},
               {"to", row.ends.to},
@@ -272,6 +292,7 @@ Json to_json(const AuditRow& row)
               {"received", of(input.has_value(), input ? input->received : 0)},
               {"processed", of(input.has_value(), input ? input->processed : 0)},
               {"lost", row.lost()},
+              {"last_lost_us", last_loss(row)},
               {"fates", fates_text(row)},
               {"losses", losses},
               {"differences", row.differences},
