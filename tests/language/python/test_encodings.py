@@ -6,11 +6,11 @@ import unittest
 import numpy
 
 import hive
-from hive import _pictures
+from hive import _images
 from world import PATIENCE, World
 
-PICTURE = numpy.add.outer(numpy.arange(60, dtype=numpy.uint8), numpy.arange(80, dtype=numpy.uint8))
-COLOUR = numpy.dstack((PICTURE, PICTURE + 20, PICTURE + 40))
+IMAGE = numpy.add.outer(numpy.arange(60, dtype=numpy.uint8), numpy.arange(80, dtype=numpy.uint8))
+COLOUR = numpy.dstack((IMAGE, IMAGE + 20, IMAGE + 40))
 
 
 class Encodings(World):
@@ -21,20 +21,20 @@ class Encodings(World):
         self.run_embedded(drone)
         return drone
 
-    def pictures(self):
+    def images(self):
         self.camera(
             "image/raw,image/jpeg,image/png",
             hive.pictures(),
             lambda output: output.emit_captured_image(COLOUR, {"n": 1}, lossless=True),
         )
 
-    def test_pictures_come_as_a_connection_asks_for_them(self):
-        self.pictures()
+    def test_images_come_as_a_connection_asks_for_them(self):
+        self.images()
         kinds = {"": "raw", "raw": "raw", "png": "png", "jpeg": "jpeg", "jpeg:10": "jpeg"}
         sizes = {}
         for encoding, word in kinds.items():
-            with self.subTest(encoding), self.swarm.collect("camera", encoding=encoding) as pictures:
-                event = pictures.next(PATIENCE)
+            with self.subTest(encoding), self.swarm.collect("camera", encoding=encoding) as images:
+                event = images.next(PATIENCE)
                 self.assertEqual((event.type, event.header["n"], event.header["width"]), ("image/" + word, 1, 80))
                 self.assertEqual("stride" in event.header, word == "raw")
                 most = 40 if word == "jpeg" else 0
@@ -55,7 +55,7 @@ class Encodings(World):
 
         self.run_embedded(reader)
         results = self.swarm.collect("reader")
-        self.pictures()
+        self.images()
         self.swarm.connect("camera", "reader")
         self.assertEqual(results.next(PATIENCE).header, {"type": "image/png", "same": True})
         edge = self.swarm.status("camera")["outputs"][0]["edges"][0]
@@ -98,10 +98,10 @@ class Encodings(World):
 
     def test_pillow_encodes_and_decodes_where_there_is_no_opencv(self):
         for kind in ("image/png", "image/jpeg"):
-            for picture in (PICTURE, COLOUR):
-                data = _pictures._encode_by_pillow(kind, picture, 90)
-                again = _pictures._decode_by_pillow(kind, data, numpy)
-                expected = picture if picture.ndim == 3 else numpy.dstack([picture] * 3)
+            for image in (IMAGE, COLOUR):
+                data = _images._encode_by_pillow(kind, image, 90)
+                again = _images._decode_by_pillow(kind, data, numpy)
+                expected = image if image.ndim == 3 else numpy.dstack([image] * 3)
                 self.assertLessEqual(numpy.abs(again.astype(int) - expected).max(), 20 if kind == "image/jpeg" else 0)
 
 

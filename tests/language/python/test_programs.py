@@ -12,7 +12,7 @@ import unittest
 import numpy
 
 import hive
-from hive import _library, _pictures
+from hive import _library, _images
 from world import PATIENCE, PROGRAMS, World, eventually
 
 
@@ -242,7 +242,7 @@ class Programs(World):
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertIn("hive.Drone(..., embedded=True)", done.stderr)
 
-    def test_without_numpy_it_starts_and_says_what_pictures_need(self):
+    def test_without_numpy_it_starts_and_says_what_images_need(self):
         os.mkdir(os.path.join(self.home, "numpy"))
         with open(os.path.join(self.home, "numpy", "__init__.py"), "w", encoding="utf-8") as file:
             file.write("raise ImportError('not installed')")
@@ -252,10 +252,10 @@ class Programs(World):
         search = os.pathsep.join([self.home, os.environ["PYTHONPATH"]])
         self.process(sys.executable, path, name="thing", env={**os.environ, "PYTHONPATH": search})
         exceptions, results = self.swarm.exceptions("thing"), self.swarm.collect("thing")
-        picture = {"width": 1, "height": 1, "pixel_format": "gray8"}
-        self.swarm.put("thing", b"x", "image/raw", picture)
+        image = {"width": 1, "height": 1, "pixel_format": "gray8"}
+        self.swarm.put("thing", b"x", "image/raw", image)
         text = exceptions.next(PATIENCE).header["text"]
-        self.assertEqual(text, "pictures need NumPy; install python3-numpy")
+        self.assertEqual(text, "images need NumPy; install python3-numpy")
         self.swarm.put("thing", b"x", "text/plain", {"index": 3})
         self.assertEqual(results.next(PATIENCE).header["n"], 3)
 
@@ -358,23 +358,23 @@ class Programs(World):
         self.drone("background", "background")
         exceptions, masks = self.swarm.exceptions("background"), self.swarm.collect("background.mask")
         for kind, text in (("float32", "bgr32f; let its sender scale"), ("uint16", "bgr16; let its sender emit")):
-            picture = numpy.zeros((40, 60, 3), kind)
-            self.swarm.put("background", picture.tobytes(), "image/raw", _pictures.raw_header(picture))
+            image = numpy.zeros((40, 60, 3), kind)
+            self.swarm.put("background", image.tobytes(), "image/raw", _images.raw_header(image))
             self.assertIn(text, exceptions.next(PATIENCE).header["text"])
-        picture = numpy.zeros((40, 60, 4), numpy.uint8)
-        self.swarm.put("background", picture.tobytes(), "image/raw", _pictures.raw_header(picture))
+        image = numpy.zeros((40, 60, 4), numpy.uint8)
+        self.swarm.put("background", image.tobytes(), "image/raw", _images.raw_header(image))
         self.assertEqual(masks.next(PATIENCE).image().shape, (40, 60))
 
     def test_every_drone_says_what_to_do_about_floats(self):
         settings = {"view": ["window=off"], "write": ["file=" + os.path.join(self.home, "out.avi")]}
-        picture = numpy.zeros((40, 60, 3), "float32")
+        image = numpy.zeros((40, 60, 3), "float32")
         for kind in ("annotate", "background", "detect", "face", "gesture", "view", "write"):
             if not os.path.exists(os.path.join(PROGRAMS, "hive-" + kind)):
                 continue  # built without what it needs
             with self.subTest(kind):
                 self.drone(kind, kind, *settings.get(kind, []))
                 with self.swarm.exceptions(kind) as exceptions:
-                    self.swarm.put(kind, picture.tobytes(), "image/raw", _pictures.raw_header(picture))
+                    self.swarm.put(kind, image.tobytes(), "image/raw", _images.raw_header(image))
                     self.assertIn("bgr32f; let its sender scale", exceptions.next(PATIENCE).header["text"])
 
     def test_a_drone_in_python_takes_16_bits_and_alpha_and_says_what_to_do_about_floats(self):
@@ -382,9 +382,9 @@ class Programs(World):
         self.process(sys.executable, script, name="edges")
         exceptions, edges = self.swarm.exceptions("edges"), self.swarm.collect("edges")
         for kind, channels in (("uint16", 1), ("uint8", 4), ("float32", 3)):
-            picture = numpy.zeros((40, 60, channels), kind)
-            picture[10:20] = 1 << 15 if kind == "uint16" else 128
-            self.swarm.put("edges", picture.tobytes(), "image/raw", _pictures.raw_header(picture))
+            image = numpy.zeros((40, 60, channels), kind)
+            image[10:20] = 1 << 15 if kind == "uint16" else 128
+            self.swarm.put("edges", image.tobytes(), "image/raw", _images.raw_header(image))
             if kind == "float32":
                 self.assertIn("let its sender scale", exceptions.next(PATIENCE).header["text"])
             else:

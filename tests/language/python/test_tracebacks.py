@@ -68,7 +68,7 @@ class Tracebacks(Embedded):
         exceptions = self.swarm.exceptions("worker")
         for kind, text, line in (
             ("text/plain", "KeyError: 'missing'", 'raise KeyError("missing")'),
-            ("a/b", "there is no image, but None; look whether it could be read or taken", "result.emit_image(None)"),
+            ("a/b", "None is not an image; check whether reading or capturing it failed", "result.emit_image(None)"),
             ("a/refused", "not today", None),
             ("image/jpeg", "image/jpeg: 1 bytes that are not a complete image of this type", None),
         ):

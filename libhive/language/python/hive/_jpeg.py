@@ -1,4 +1,4 @@
-"""The strict JPEG decoder of drones in C++: libturbojpeg, with warnings as errors."""
+"""Decodes JPEG as strictly as drones in C++: libturbojpeg, with warnings as errors."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ if TYPE_CHECKING:
 
 _SONAME = "libturbojpeg.so.0"
 _BGR, _INKS = 1, 11
-_STOP_ON_WARNING = 8192  # data that is missing or left over: pixels would be invented
+_STOP_ON_WARNING = 8192  # missing or extra data, for which pixels would be invented
 _CMYK, _YCCK = 3, 4
 _library: Any = None
 
 
 def _loaded() -> Any:
-    """The library; False where it is not installed."""
+    """The library; False if it is not installed."""
     global _library
     if _library is None:
         try:
@@ -41,16 +41,16 @@ def _declare(library: Any) -> None:
 
 
 def decode(data: bytes) -> Optional[NDArray[Any]]:
-    """The pixels as they lie, blue, green and red; None where the library is not installed.
+    """The stored pixels (blue, green, red), without EXIF orientation; None if the library is not installed.
 
-    :raises hive.Error: "malformed" for what is cut short or damaged
+    :raises hive.Error: "malformed" for truncated or damaged data
     """
     library = _loaded()
     if not library:
         return None
     decoder = library.tjInitDecompress()
     if not decoder:
-        raise Error("failed", "the JPEG decoder could not be made")
+        raise Error("failed", "the JPEG decoder could not be created")
     try:
         return _pixels(library, decoder, data)
     finally:
@@ -77,7 +77,7 @@ def _pixels(library: Any, decoder: int, data: bytes) -> NDArray[Any]:
 
 
 def _in_colour(inks: NDArray[Any]) -> NDArray[Any]:
-    """The inks of print as light, as OpenCV has it: they are taken for inverted, as all that write such files do."""
+    """Converts CMYK to BGR as OpenCV does: the values are assumed inverted, as all programs write them."""
     black, colours = inks[:, :, 3:].astype("uint16"), inks[:, :, 2::-1].astype("uint16")
     light: NDArray[Any] = (black - ((255 - colours) * black >> 8)).astype("uint8")
     return light

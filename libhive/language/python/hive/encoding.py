@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Callable, Mapping, NamedTuple, Optional, Union
 
-from . import _pictures
+from . import _images
 from ._errors import Error
 
 if TYPE_CHECKING:
@@ -44,17 +44,17 @@ def pictures(*words: str) -> list[Encoding]:
     }
     for word in words:
         if word not in known:
-            raise Error("invalid_argument", f"there is no encoding {word!r} of pictures", "there are jpeg, png and raw")
+            raise Error("invalid_argument", f"there is no encoding {word!r} of images", "there are jpeg, png and raw")
     return [known[word] for word in words or known]
 
 
 def _as(kind: str) -> Callable[[Event, Optional[int]], Encoded]:
     def encode(event: Event, number: Optional[int]) -> Encoded:
-        picture = event.image()
+        image = event.image()
         header = {name: value for name, value in event.header.items() if name not in ("pixel_format", "stride")}
         if kind == "image/raw":
-            return {**header, **_pictures.raw_header(picture)}, picture.tobytes()
-        size = {"width": picture.shape[1], "height": picture.shape[0]}
-        return {**header, **size}, _pictures.encode(kind, picture, 80 if number is None else number)
+            return {**header, **_images.raw_header(image)}, image.tobytes()
+        size = {"width": image.shape[1], "height": image.shape[0]}
+        return {**header, **size}, _images.encode(kind, image, 80 if number is None else number)
 
     return encode

@@ -6,7 +6,7 @@ import ctypes
 import json
 from typing import TYPE_CHECKING, Any, NamedTuple, Optional
 
-from . import _pictures
+from . import _images
 from ._errors import Error
 from ._library import ask, ask_flag, ask_handle, lib, release
 
@@ -126,8 +126,8 @@ class Event:
         """
         if bits not in (None, 8):
             raise Error("invalid_argument", f"image() converts to 8 bits, not to {bits!r}")
-        picture = _pictures.decode(self.type, self.header, self.body)
-        return picture if bits is None else _pictures.as_eight_bits(picture)
+        image = _images.decode(self.type, self.header, self.body)
+        return image if bits is None else _images.as_eight_bits(image)
 
     @property
     def source(self) -> str:
@@ -232,7 +232,7 @@ class Event:
         if self.type == "image/png":
             return bytes(self.body) or None
         try:
-            return _pictures.as_png(self.image()) if self.type == "image/raw" else None
+            return _images.as_png(self.image()) if self.type == "image/raw" else None
         except Error:
             return None  # the text is shown all the same
 

@@ -8,7 +8,7 @@ import sys
 import time
 from typing import TYPE_CHECKING, Any, Callable, Mapping, NoReturn, Optional, Sequence, Union
 
-from . import _pictures
+from . import _images
 from ._errors import Error
 from ._library import Owner, as_json, ask_flag, ask_handle, body_callback, code_of, encoded, lib, release
 from .event import Event, _Memory
@@ -139,7 +139,7 @@ class Output(Owner):
         :raises hive.Error: "too_large" beyond the 64 MiB that an event holds, "invalid_argument" for what is not a
             shape
         """
-        numpy = _pictures._numpy()
+        numpy = _images._numpy()
         kind = numpy.dtype(dtype)
         sides = _sides(shape)
         size = kind.itemsize
@@ -156,9 +156,9 @@ class Output(Owner):
             (height, width, 3) for colour in the order blue, green, red, or (height, width, 4) with alpha.  Most drones
             work on ``uint8``.  It is copied once if it has receivers; an array of :meth:`loan` is not copied.
         """
-        text = _header(header, {**fields, **_pictures.raw_header(image)})
+        text = _header(header, {**fields, **_images.raw_header(image)})
         self._made(
-            lambda: self._picture(image), lib.hive_output_emit_made, self._handle, text, len(text), b"image/raw"
+            lambda: self._image(image), lib.hive_output_emit_made, self._handle, text, len(text), b"image/raw"
         )
 
     def emit_captured(
@@ -196,9 +196,9 @@ class Output(Owner):
         lossless: bool = False,
     ) -> None:
         """An image as in :meth:`emit_image`, with an identity as in :meth:`emit_captured`: for cameras."""
-        text = _header(header, _pictures.raw_header(image))
+        text = _header(header, _images.raw_header(image))
         self._made(
-            lambda: self._picture(image),
+            lambda: self._image(image),
             lib.hive_output_emit_captured_made,
             self._handle,
             _microseconds(captured),
@@ -244,14 +244,14 @@ class Output(Owner):
             memory.view()[:] = view
         return memory
 
-    def _picture(self, image: NDArray[Any]) -> _Memory:
+    def _image(self, image: NDArray[Any]) -> _Memory:
         """The pixels in a loan: the one that they lie in, or a new one."""
         memory = _loan_of(image)
         if memory is not None:
             image.flags.writeable = False
             return memory
         memory = self._loan(image.nbytes)
-        numpy = _pictures._numpy()
+        numpy = _images._numpy()
         kind = image.dtype.newbyteorder("<")
         numpy.copyto(numpy.frombuffer(memory.view(), kind).reshape(image.shape), image)
         return memory

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 MOST_PIXELS = 40_000_000
-MOST_SCANS, MOST_PIXEL_SCANS = 100, 640_000_000  # of one JPEG: what decoding a progressive one costs
+MOST_SCANS, MOST_PIXEL_SCANS = 100, 640_000_000  # of one JPEG: the cost of decoding a progressive one
 _LONGEST_SIDE = 1 << 20
 _LONGEST_ROW = 1 << 31
 _CHANNELS = {"gray": 1, "bgr": 3, "bgra": 4}
@@ -28,7 +28,7 @@ def _malformed(text: str) -> Error:
 
 
 def _module(name: str) -> Any:
-    """One that need not be installed; None where it is not."""
+    """An optional module; None if it is not installed."""
     try:
         return importlib.import_module(name)
     except ImportError:
@@ -38,7 +38,7 @@ def _module(name: str) -> Any:
 def _numpy() -> Any:
     numpy = _module("numpy")
     if numpy is None:
-        raise Error("unsupported", "pictures need NumPy", "install python3-numpy")
+        raise Error("unsupported", "images need NumPy", "install python3-numpy")
     return numpy
 
 
@@ -53,16 +53,16 @@ def decode(kind: str, header: dict[str, Any], body: memoryview) -> NDArray[Any]:
     if kind == "image/raw":
         return raw_view(header, body)
     if kind in ("image/jpeg", "image/png"):
-        return _decode_compressed(kind, bytes(body))  # a copy: nobody can change what was checked
-    raise Error("unsupported", f"{kind} is no picture; there are image/raw, image/jpeg and image/png")
+        return _decode_compressed(kind, bytes(body))  # a copy, which cannot change after the check
+    raise Error("unsupported", f"{kind} is not an image type; use image/raw, image/jpeg or image/png")
 
 
 def raw_view(header: dict[str, Any], body: memoryview) -> NDArray[Any]:
-    """Pixels as they lie in the body, which the header describes (SPEC.md, section 12)."""
+    """A view of the pixels in the body; the header has their layout (SPEC.md, section 12)."""
     colour, depth = _FORMATS.get(str(header.get("pixel_format")), (None, None))
     if colour is None or depth is None:
         known = ", ".join(_FORMATS)
-        raise _malformed(f'image/raw: pixel_format is {header.get("pixel_format")!r}, and none of {known}')
+        raise _malformed(f'image/raw: pixel_format is {header.get("pixel_format")!r}, not one of {known}')
     numpy = _numpy()
     channels, kind = _CHANNELS[colour], numpy.dtype(_DEPTHS[depth])
     pixel = channels * kind.itemsize
@@ -75,47 +75,47 @@ def raw_view(header: dict[str, Any], body: memoryview) -> NDArray[Any]:
         raise _malformed(f"image/raw: the header asks for {stride * height} bytes, the body has {len(body)}")
     shape = (height, width) if channels == 1 else (height, width, channels)
     strides = (stride, pixel) if channels == 1 else (stride, pixel, kind.itemsize)
-    pixels = numpy.frombuffer(body, "u1")  # keeps `body` itself as its base, which cannot be made writable
+    pixels = numpy.frombuffer(body, "u1")  # its base is `body`, so it cannot be made writable
     view: NDArray[Any] = numpy.ndarray(shape, kind, pixels, 0, strides)
     return view
 
 
-def _require_array(picture: Any) -> None:
-    if picture is None:
-        raise Error("invalid_argument", "there is no image, but None", "look whether it could be read or taken")
-    if not isinstance(picture, _numpy().ndarray):
-        kind = type(picture).__name__
+def _require_array(image: Any) -> None:
+    if image is None:
+        raise Error("invalid_argument", "None is not an image", "check whether reading or capturing it failed")
+    if not isinstance(image, _numpy().ndarray):
+        kind = type(image).__name__
         raise Error("invalid_argument", f"an image is a NumPy array, not a {kind}", "convert it: numpy.asarray()")
-    if 0 in picture.shape:
-        raise Error("invalid_argument", f"an image has pixels, and an array of shape {picture.shape} has none")
+    if 0 in image.shape:
+        raise Error("invalid_argument", f"an array of shape {image.shape} has no pixels")
 
 
-def raw_header(picture: NDArray[Any]) -> dict[str, Any]:
-    """What image/raw says of a picture whose rows lie without gaps."""
-    _require_array(picture)
-    channels = picture.shape[2] if picture.ndim == 3 else 1
+def raw_header(image: NDArray[Any]) -> dict[str, Any]:
+    """The header fields of image/raw for an image without gaps between rows."""
+    _require_array(image)
+    channels = image.shape[2] if image.ndim == 3 else 1
     colour = {1: "gray", 3: "bgr", 4: "bgra"}.get(channels)
-    if picture.ndim not in (2, 3) or colour is None:
-        text = f"an image has the shape (height, width) or (height, width, 1, 3 or 4), not {picture.shape}"
+    if image.ndim not in (2, 3) or colour is None:
+        text = f"an image has the shape (height, width) or (height, width, 1, 3 or 4), not {image.shape}"
         raise Error("invalid_argument", text)
-    depth = {"u1": "8", "u2": "16", "f4": "32f"}.get(f"{picture.dtype.kind}{picture.dtype.itemsize}")
+    depth = {"u1": "8", "u2": "16", "f4": "32f"}.get(f"{image.dtype.kind}{image.dtype.itemsize}")
     if depth is None:
-        text = f"an image is of uint8, uint16 or float32, not of {picture.dtype}"
-        raise Error("invalid_argument", text, _conversion(picture.dtype.kind))
-    height, width = picture.shape[:2]
-    stride = width * channels * picture.dtype.itemsize
+        text = f"an image has pixels of uint8, uint16 or float32, not {image.dtype}"
+        raise Error("invalid_argument", text, _conversion(image.dtype.kind))
+    height, width = image.shape[:2]
+    stride = width * channels * image.dtype.itemsize
     return {"width": width, "height": height, "pixel_format": colour + depth, "stride": stride}
 
 
 def _conversion(kind: str) -> str:
-    """How an array of another type becomes an image."""
+    """A hint for converting an array of another type to an image."""
     return {"b": "write image.astype('uint8') * 255", "f": "write image.astype('float32')"}.get(
         kind, "write image.clip(0, 255).astype('uint8')"
     )
 
 
 def _png_size(data: bytes) -> Optional[tuple[int, int]]:
-    """Of the first chunk, when each chunk is whole and as its checksum says, up to the last."""
+    """From the first chunk; None unless every chunk is complete and has a valid checksum."""
     if len(data) < 33 or not data.startswith(b"\x89PNG\r\n\x1a\n\x00\x00\x00\rIHDR"):
         return None
     at, name = 8, b""
@@ -132,7 +132,7 @@ def _png_size(data: bytes) -> Optional[tuple[int, int]]:
 
 
 def _jpeg_size(data: bytes) -> Optional[tuple[int, int]]:
-    """Of the frame header, on the way from one marker to the next; None when it is cut short."""
+    """From the frame header, which is found marker by marker; None if the file is truncated."""
     if not data.startswith(b"\xff\xd8") or b"\xff\xd9" not in data[-1024:]:
         return None
     at = 2
@@ -153,13 +153,13 @@ def _decode_compressed(kind: str, data: bytes) -> NDArray[Any]:
         raise Error("too_large", f"{kind}: {size[0]}x{size[1]} pixels are too many")
     if kind == "image/png":
         return _decode_by_opencv(kind, data)
-    scans = data.count(b"\xff\xda")  # these bytes are nowhere else but in a thumbnail
+    scans = data.count(b"\xff\xda")  # besides scans, only a thumbnail has these bytes
     if scans > MOST_SCANS or size[0] * size[1] * scans > MOST_PIXEL_SCANS:
         raise Error("too_large", f"{kind}: {scans} scans of {size[0]}x{size[1]} pixels are too many")
     pixels = _jpeg.decode(data)
-    if pixels is None and _module("PIL.Image"):  # which notices that data is missing, as OpenCV does not
+    if pixels is None and _module("PIL.Image"):  # it detects missing data; OpenCV does not
         return _decode_by_pillow(kind, data, _numpy())
-    # A whole picture that is to be turned as EXIF says is left to those who can.
+    # The strict decoder ignores the orientation of EXIF; OpenCV applies it.
     return _decode_by_opencv(kind, data) if pixels is None or b"Exif\0\0" in data[:65536] else pixels
 
 
@@ -168,12 +168,12 @@ def _decode_by_opencv(kind: str, data: bytes) -> NDArray[Any]:
     if cv2 is None:
         return _decode_by_pillow(kind, data, numpy)
     try:
-        picture: Optional[NDArray[Any]] = cv2.imdecode(numpy.frombuffer(data, numpy.uint8), cv2.IMREAD_COLOR)
+        image: Optional[NDArray[Any]] = cv2.imdecode(numpy.frombuffer(data, numpy.uint8), cv2.IMREAD_COLOR)
     except cv2.error as error:
         raise _malformed(f"{kind}: {error}") from None
-    if picture is None:
-        raise _malformed(f"{kind}: the picture is damaged")
-    return picture
+    if image is None:
+        raise _malformed(f"{kind}: damaged image")
+    return image
 
 
 def _decode_by_pillow(kind: str, data: bytes, numpy: Any) -> NDArray[Any]:
@@ -181,54 +181,54 @@ def _decode_by_pillow(kind: str, data: bytes, numpy: Any) -> NDArray[Any]:
     if pillow is None:
         raise Error("unsupported", f"{kind} needs OpenCV or Pillow", "install python3-opencv or python3-pil")
     try:
-        with pillow.open(io.BytesIO(data), formats=("JPEG", "PNG")) as picture:
-            upright = operations.exif_transpose(picture).convert("RGB")
+        with pillow.open(io.BytesIO(data), formats=("JPEG", "PNG")) as image:
+            upright = operations.exif_transpose(image).convert("RGB")
         pixels: NDArray[Any] = numpy.ascontiguousarray(numpy.asarray(upright)[:, :, ::-1])
         return pixels
-    except Exception as error:  # whatever it thinks of the bytes
+    except Exception as error:  # Pillow raises many types for damaged data
         raise _malformed(f"{kind}: {error}") from None
 
 
-def encode(kind: str, picture: NDArray[Any], quality: int) -> bytes:
-    """A picture as image/jpeg or image/png, by OpenCV or, where that is missing, Pillow."""
-    if picture.dtype.kind == "f":
-        raise Error("unsupported", f"there is no {kind} of float32", 'connect with encoding="raw"')
-    picture, cv2 = as_eight_bits(picture), _module("cv2")
+def encode(kind: str, image: NDArray[Any], quality: int) -> bytes:
+    """Encodes an image as image/jpeg or image/png, with OpenCV or else Pillow."""
+    if image.dtype.kind == "f":
+        raise Error("unsupported", f"{kind} does not support float32", 'connect with encoding="raw"')
+    image, cv2 = as_eight_bits(image), _module("cv2")
     if cv2 is None:
-        return _encode_by_pillow(kind, picture, quality)
+        return _encode_by_pillow(kind, image, quality)
     if kind == "image/png":
-        return bytes(cv2.imencode(".png", picture)[1].tobytes())
-    return bytes(cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, quality])[1].tobytes())
+        return bytes(cv2.imencode(".png", image)[1].tobytes())
+    return bytes(cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, quality])[1].tobytes())
 
 
-def as_eight_bits(picture: NDArray[Any]) -> NDArray[Any]:
-    """Without alpha, as most code wants it; of 16 bits the upper eight."""
-    if picture.dtype.kind == "f":
-        text = "this drone works on pictures of 8 bits, and this one is of float32"
+def as_eight_bits(image: NDArray[Any]) -> NDArray[Any]:
+    """Drops alpha, and the lower eight of 16 bits."""
+    if image.dtype.kind == "f":
+        text = "this drone accepts only 8 bit images, not float32"
         raise Error("unsupported", text, "let its sender scale the values to 0 to 255 and emit them as uint8")
-    if picture.dtype.itemsize == 2:
-        picture = (picture >> 8).astype("uint8")
-    return picture[:, :, :3].copy() if picture.ndim == 3 and picture.shape[2] == 4 else picture
+    if image.dtype.itemsize == 2:
+        image = (image >> 8).astype("uint8")
+    return image[:, :, :3].copy() if image.ndim == 3 and image.shape[2] == 4 else image
 
 
-def _encode_by_pillow(kind: str, picture: NDArray[Any], quality: int) -> bytes:
+def _encode_by_pillow(kind: str, image: NDArray[Any], quality: int) -> bytes:
     pillow = _module("PIL.Image")
     if pillow is None and kind == "image/png":
-        return as_png(picture)
+        return as_png(image)
     if pillow is None:
         raise Error("unsupported", f"{kind} needs OpenCV or Pillow", "install python3-opencv or python3-pil")
     file = io.BytesIO()
-    rows = picture if picture.ndim == 2 else picture[:, :, ::-1]
+    rows = image if image.ndim == 2 else image[:, :, ::-1]
     pillow.fromarray(rows).save(file, kind[6:].upper(), quality=quality)
     return file.getvalue()
 
 
-def as_png(picture: NDArray[Any]) -> bytes:
-    """A PNG of a picture, for notebooks."""
-    picture = as_eight_bits(picture)
-    height, width = picture.shape[:2]
-    colour = picture.ndim == 3
-    rows = picture[:, :, ::-1] if colour else picture
+def as_png(image: NDArray[Any]) -> bytes:
+    """Encodes an image as PNG, for notebooks."""
+    image = as_eight_bits(image)
+    height, width = image.shape[:2]
+    colour = image.ndim == 3
+    rows = image[:, :, ::-1] if colour else image
     lines = b"".join(b"\0" + rows[y].tobytes() for y in range(height))
 
     def chunk(name: bytes, data: bytes) -> bytes:
