@@ -41,7 +41,7 @@ const std::vector<Page> pages{
      {{"http://192.0.2.10", "http://127.0.0.1:$port1 allow_address=127.0.0.1"}}},
     {"background", "", {}},
     {"camera",
-     "hivectl start camera; mkdir pictures; hivectl snap camera pictures/1.jpg; hivectl stop camera\n",
+     "hivectl start camera; mkdir images; hivectl snap camera images/1.jpg; hivectl stop camera\n",
      {{"hivectl set cam source=/dev/video0 width=1280 height=720", set_device}}},
     {"detect", "", {}},
     {"edges", "hivectl start camera\n", {}},
