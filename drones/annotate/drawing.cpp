@@ -24,25 +24,24 @@ cv::Point pixel(const cv::Point2d& point) { return {pixel(point.x), pixel(point.
 
 cv::Rect pixels(const cv::Rect2d& box) { return {pixel(box.tl()), pixel(box.br())}; }
 
-std::vector<cv::Point> pixels(const Region& region, cv::Size picture)
+std::vector<cv::Point> pixels(const Region& region, cv::Size image)
 {
     std::vector<cv::Point> points;
     for (const auto& point : region.points)
-        points.push_back(pixel({point.x * (picture.width - 1), point.y * (picture.height - 1)}));
+        points.push_back(pixel({point.x * (image.width - 1), point.y * (image.height - 1)}));
     return points;
 }
 
 const cv::Scalar& region_colour(const Region& region) { return region.closed ? white : yellow; }
 
 /// After all lines, which would cross them.
-void write_labels(cv::Mat& picture, const std::vector<Region>& regions, const std::vector<Mark>& marks)
+void write_labels(cv::Mat& image, const std::vector<Region>& regions, const std::vector<Mark>& marks)
 {
     std::vector<cv::Rect> taken;
     for (const Region& region : regions)
-        write_label(picture, region.label, cv::boundingRect(pixels(region, picture.size())), region_colour(region),
-                    taken);
+        write_label(image, region.label, cv::boundingRect(pixels(region, image.size())), region_colour(region), taken);
     for (const Mark& mark : marks)
-        write_label(picture, mark.label, pixels(mark.box), Drawing::colour_of(mark.coloured_by), taken);
+        write_label(image, mark.label, pixels(mark.box), Drawing::colour_of(mark.coloured_by), taken);
 }
 
 /// The mark in an image of another size.
@@ -87,19 +86,19 @@ cv::Scalar Drawing::colour_of(const std::string& text)
     return bgr.at<cv::Vec3b>(0, 0);
 }
 
-void Drawing::draw(const cv::Mat& picture, const Marks& marks, cv::Mat& result) const
+void Drawing::draw(const cv::Mat& image, const Marks& marks, cv::Mat& result) const
 {
-    if (picture.channels() == 1)
-        cv::cvtColor(picture, result, cv::COLOR_GRAY2BGR);
+    if (image.channels() == 1)
+        cv::cvtColor(image, result, cv::COLOR_GRAY2BGR);
     else
-        picture.copyTo(result);
-    const bool other_size = !marks.seen.empty() && marks.seen != cv::Size2d(picture.size());
+        image.copyTo(result);
+    const bool other_size = !marks.seen.empty() && marks.seen != cv::Size2d(image.size());
     for (const Region& region : marks.regions)
         draw(result, region);
     std::vector<Mark> shown;
     for (const Mark& mark : marks.all)
         if (!mark.uncertain || uncertain != Uncertain::hidden)
-            shown.push_back(other_size ? scaled(mark, picture.cols / marks.seen.width, picture.rows / marks.seen.height)
+            shown.push_back(other_size ? scaled(mark, image.cols / marks.seen.width, image.rows / marks.seen.height)
                                        : mark);
     for (const Mark& mark : shown)
         draw(result, mark);
@@ -108,47 +107,47 @@ void Drawing::draw(const cv::Mat& picture, const Marks& marks, cv::Mat& result) 
 }
 
 /// 2 px up to 480 px of the shorter side: a thinner line is hard to see, and in an image of 2160 px 9 px.
-int Drawing::width_for(const cv::Mat& picture) const
+int Drawing::width_for(const cv::Mat& image) const
 {
-    const int side = std::min(picture.rows, picture.cols);
+    const int side = std::min(image.rows, image.cols);
     return thickness > 0 ? thickness : std::clamp(static_cast<int>(std::lround(side / 240.0)), 2, 20);
 }
 
-void Drawing::draw(cv::Mat& picture, const Mark& mark) const
+void Drawing::draw(cv::Mat& image, const Mark& mark) const
 {
     const auto colour = colour_of(mark.coloured_by);
     for (const Shape& shape : mark.shapes)
-        draw(picture, shape, mark);
+        draw(image, shape, mark);
     if (mark.framed && mark.uncertain && uncertain == Uncertain::dashed)
-        dashed_box(picture, pixels(mark.box), colour, width_for(picture));
+        dashed_box(image, pixels(mark.box), colour, width_for(image));
     else if (mark.framed)
-        cv::rectangle(picture, pixels(mark.box), colour, width_for(picture), cv::LINE_AA);
+        cv::rectangle(image, pixels(mark.box), colour, width_for(image), cv::LINE_AA);
 }
 
 /// Dots are small in a small box, where they would hide what they mark.
-void Drawing::draw(cv::Mat& picture, const Shape& shape, const Mark& mark) const
+void Drawing::draw(cv::Mat& image, const Shape& shape, const Mark& mark) const
 {
     const auto colour = colour_of(mark.coloured_by);
-    const int width = width_for(picture), dot = std::clamp(pixel(mark.box.height / 30), (width + 1) / 2, 2 * width);
+    const int width = width_for(image), dot = std::clamp(pixel(mark.box.height / 30), (width + 1) / 2, 2 * width);
     std::vector<cv::Point> points;
     for (const auto& point : shape.points)
         points.push_back(pixel(point));
     if (shape.form == Shape::Form::area)
-        fill(picture, points, colour);
+        fill(image, points, colour);
     if (shape.form != Shape::Form::dots)
-        return cv::polylines(picture, points, shape.form != Shape::Form::line, colour, width, cv::LINE_AA);
+        return cv::polylines(image, points, shape.form != Shape::Form::line, colour, width, cv::LINE_AA);
     for (const auto& point : points)
-        cv::circle(picture, point, dot, colour, cv::FILLED, cv::LINE_AA);
+        cv::circle(image, point, dot, colour, cv::FILLED, cv::LINE_AA);
 }
 
-void Drawing::draw(cv::Mat& picture, const Region& region) const
+void Drawing::draw(cv::Mat& image, const Region& region) const
 {
-    const auto points = pixels(region, picture.size());
-    const int width = width_for(picture);
+    const auto points = pixels(region, image.size());
+    const int width = width_for(image);
     for (const auto& [colour, wide] : {std::pair(black, width + 2), {region_colour(region), width}}) {
-        cv::polylines(picture, points, region.closed, colour, wide, cv::LINE_AA);
+        cv::polylines(image, points, region.closed, colour, wide, cv::LINE_AA);
         if (!region.closed)
-            arrow_to_the_right(picture, points[0], points[1], colour, 12 * width, wide);
+            arrow_to_the_right(image, points[0], points[1], colour, 12 * width, wide);
     }
 }
 

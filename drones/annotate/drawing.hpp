@@ -14,17 +14,17 @@ public:
     bool labels = true;                       ///< write the labels of the marks
     Uncertain uncertain = Uncertain::dashed;  ///< how the boxes of uncertain marks are drawn
 
-    /// @param picture  8 bit, BGR or grey; not changed
-    /// @param result   becomes a BGR image of the same size; another one than `picture`
-    void draw(const cv::Mat& picture, const Marks& marks, cv::Mat& result) const;
+    /// @param image  8 bit, BGR or grey; not changed
+    /// @param result   becomes a BGR image of the same size; must not be `image`
+    void draw(const cv::Mat& image, const Marks& marks, cv::Mat& result) const;
     /// BGR; always the same for one text, rarely the same for two; green without text.
     static cv::Scalar colour_of(const std::string& text);
 
 private:
-    [[nodiscard]] int width_for(const cv::Mat& picture) const;
-    void draw(cv::Mat& picture, const Mark& mark) const;
-    void draw(cv::Mat& picture, const Shape& shape, const Mark& mark) const;
-    void draw(cv::Mat& picture, const Region& region) const;
+    [[nodiscard]] int width_for(const cv::Mat& image) const;
+    void draw(cv::Mat& image, const Mark& mark) const;
+    void draw(cv::Mat& image, const Shape& shape, const Mark& mark) const;
+    void draw(cv::Mat& image, const Region& region) const;
 };
 
 }  // namespace annotate

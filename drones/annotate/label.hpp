@@ -12,7 +12,7 @@ namespace annotate {
 /// @param box    px; without a label if it is outside of the image. The label is above it, or else inside or below,
 ///               where the image has room and there is no other label
 /// @param taken  areas of existing labels; the new one is added
-void write_label(cv::Mat& picture, const std::string& text, const cv::Rect& box, const cv::Scalar& colour,
+void write_label(cv::Mat& image, const std::string& text, const cv::Rect& box, const cv::Scalar& colour,
                  std::vector<cv::Rect>& taken);
 
 }  // namespace annotate

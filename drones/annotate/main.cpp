@@ -13,7 +13,7 @@
 
 namespace {
 
-void check_picture(const hive::Event& event)
+void check_image(const hive::Event& event)
 {
     static_cast<void>(hive::vision::size_of(event.body, event.type, {}, event.header));
 }
@@ -52,7 +52,7 @@ void annotate_drone(hive::Drone& drone)
         drone.output("annotated", hive::vision::image_types, "the image with its marks", hive::vision::encoder());
     hive::vision::LoanAllocator loans([&](std::size_t bytes) { return annotated.loan(bytes); });
     const auto matching =
-        drone.on_matched({{"image", hive::vision::image_types, "images to draw on", check_picture},
+        drone.on_matched({{"image", hive::vision::image_types, "images to draw on", check_image},
                           {"marks", "application/json", "results to draw, in the header"}},
                          hive::Match::exact(), [&](const std::vector<hive::Event>& set) {
                              const hive::Event& image = set[0];
@@ -61,7 +61,7 @@ void annotate_drone(hive::Drone& drone)
                              annotated.emit(
                                  header_of(image, set[1], form),
                                  [&] {
-                                     cv::Mat result = loans.picture();  // drawn in the memory that is emitted
+                                     cv::Mat result = loans.image();  // drawn in the memory that is emitted
                                      drawing.draw(hive::vision::view(image), annotate::marks_in(set[1].header), result);
                                      return form.body(result);
                                  },

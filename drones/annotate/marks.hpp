@@ -44,8 +44,8 @@ struct Marks {
 /// array. A mark may also have
 /// - class, kind, gesture, pose, label (texts or whole numbers), id, score (0 to 1), speed (px/s): they make the label;
 /// - any array of points, each [x, y], [x, y, score] or {"x", "y"}: trail is drawn as a line, hull, contour and corners
-/// as an outline (corners instead of the box), mask as an area, others as dots. What is anything else, or over a
-/// million, is left out; so are points whose score is below a half.
+/// as an outline (corners instead of the box), mask as an area, others as dots. Other values, and values over
+/// a million, are ignored; so are points with a score below 0.5.
 /// - missing (above 0) or confirmed (false): then it is uncertain.
 /// Regions are the objects in `zones` and `lines` with an array `points` of at least 3 or 2 points from 0 to 1.
 Marks marks_in(const nlohmann::json& header);

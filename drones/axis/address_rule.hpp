@@ -21,7 +21,7 @@ public:
     bool operator==(const AddressRule&) const = default;
 
 private:
-    std::vector<std::string> named_;  ///< the bytes of each, IPv4 as IPv4 whatever form it came in
+    std::vector<std::string> named_;  ///< the bytes of each, IPv4 in 4 bytes, also if it was mapped to IPv6
 };
 
 /// As text, without the port.

@@ -20,7 +20,7 @@ constexpr const char* fps_name = "Image.I0.Stream.FPS";
 constexpr const char* exposure_name = "ImageSource.I0.Sensor.Exposure";
 constexpr const char* brightness_name = "ImageSource.I0.Sensor.Brightness";
 constexpr const char* colour_name = "ImageSource.I0.Sensor.ColorLevel";
-constexpr auto most_set_time = 4s;
+constexpr auto max_set_time = 4s;
 
 Size measure(const std::string& jpeg)
 {
@@ -151,11 +151,11 @@ void AxisDrone::change()
 {
     if (opened_ != place_)
         return open();
-    if (link_ && told_ == wanted() && !refused_)
+    if (link_ && applied_ == wanted() && !refused_)
         link_->once_more();
     else if (link_)
-        tell_camera(changes(told_, wanted()));
-    told_ = wanted();
+        configure_camera(changes(applied_, wanted()));
+    applied_ = wanted();
 }
 
 void AxisDrone::open()
@@ -171,28 +171,28 @@ void AxisDrone::open()
     if (found)
         require_own_login(*found);
     link_.reset();
-    told_ = wanted();
+    applied_ = wanted();
     if (opened_ && opened_->url != place_.url)
         image_.begin_source();
     if (found)
         link_ = std::make_unique<CameraLink>(
             LinkSettings{std::move(*found), place_.credentials, place_.pace == "live" ? Pace::live : Pace::demand,
-                         told_},
+                         applied_},
             LinkHooks{[this] { drone_.wake(); },
                       [this](const std::string& text) { drone_.log(text, hive::LogLevel::debug); }, measure});
     opened_ = place_;
 }
 
-void AxisDrone::tell_camera(const Parameters& changed)
+void AxisDrone::configure_camera(const Parameters& changed)
 {
     if (changed.empty())
         return link_->wanted(wanted());
     if (link_->login_refused())
         throw hive::Error(hive::Errc::refused, link_->condition());
-    const auto until = std::chrono::steady_clock::now() + most_set_time;
+    const auto until = std::chrono::steady_clock::now() + max_set_time;
     Camera camera(access(), [until] {
         if (std::chrono::steady_clock::now() > until)
-            throw CameraError(Trouble::silent, "the camera took too long");
+            throw CameraError(Failure::silent, "the camera took too long");
     });
     take_over(camera.apply(changed));
     link_->wanted(wanted());
@@ -218,25 +218,23 @@ std::chrono::microseconds AxisDrone::step()
         say("no camera: set url");
         return 1h;
     }
-    const auto picture = link_->take();
-    if (picture)
-        send(*picture);
+    const auto frame = link_->take();
+    if (frame)
+        send(*frame);
     say(link_->condition(), hive::LogLevel::warning);
-    if (place_.pace == "demand" && !picture && image_.asked())
+    if (place_.pace == "demand" && !frame && image_.asked())
         link_->ask();
     return 250ms;
 }
 
-void AxisDrone::send(const Picture& picture)
+void AxisDrone::send(const Frame& frame)
 {
-    const hive::Json header{{"width", picture.size.width},
-                            {"height", picture.size.height},
-                            {"index", picture.index},
-                            {"source", opened_->url}};
+    const hive::Json header{
+        {"width", frame.size.width}, {"height", frame.size.height}, {"index", frame.index}, {"source", opened_->url}};
     const std::function<hive::Body()> body = [&] {
-        return hive::Body(std::as_bytes(std::span(*picture.jpeg)), picture.jpeg);
+        return hive::Body(std::as_bytes(std::span(*frame.jpeg)), frame.jpeg);
     };
-    image_.emit_captured(picture.captured, place_.pace == "demand", header, body, "image/jpeg");
+    image_.emit_captured(frame.captured, place_.pace == "demand", header, body, "image/jpeg");
 }
 
 void AxisDrone::say(const std::string& condition, hive::LogLevel level)

@@ -28,13 +28,13 @@ private:
     void apply();
     void change();
     void open();
-    void tell_camera(const Parameters& changed);
+    void configure_camera(const Parameters& changed);
     [[nodiscard]] Access access() const;
     void require_own_login(const Access& access) const;
     [[nodiscard]] Parameters wanted() const;
     void take_over(const Parameters& applied);
     std::chrono::microseconds step();
-    void send(const Picture& picture);
+    void send(const Frame& frame);
     void say(const std::string& condition, hive::LogLevel level = hive::LogLevel::info);
 
     hive::Drone& drone_;
@@ -45,7 +45,7 @@ private:
 
     std::optional<Place> opened_;
     std::optional<Place> started_;  ///< the camera and login with which the drone was started
-    Parameters told_;               ///< the configuration that the link has for the camera
+    Parameters applied_;            ///< the configuration that the link has for the camera
     bool refused_ = false;          ///< the camera refused the last change; the next one restores everything
     std::unique_ptr<CameraLink> link_;
     std::string condition_;

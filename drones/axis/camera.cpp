@@ -6,7 +6,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr std::size_t most_picture = 16u << 20, most_parameters = 65536;
+constexpr std::size_t max_image = 16u << 20, max_parameters = 65536;
 
 const std::string& value_or_empty(const Parameters& values, const std::string& name)
 {
@@ -15,9 +15,9 @@ const std::string& value_or_empty(const Parameters& values, const std::string& n
     return found == values.end() ? empty : found->second;
 }
 
-[[noreturn]] void not_a_picture(const std::string& type)
+[[noreturn]] void not_an_image(const std::string& type)
 {
-    throw CameraError(Trouble::not_a_picture,
+    throw CameraError(Failure::not_an_image,
                       "not an image: the camera sends " + (type.empty() ? "data without a type" : masked(type)));
 }
 
@@ -41,7 +41,7 @@ std::string Camera::parameters(const std::string& query)
 {
     return http_
         .get((admin_path_ ? "/axis-cgi/admin/param.cgi?" : "/axis-cgi/param.cgi?") + query,
-             {.whole = 4s, .body = most_parameters}, time_)
+             {.whole = 4s, .body = max_parameters}, time_)
         .body;
 }
 
@@ -50,7 +50,7 @@ Model Camera::identify()
     const ParameterList list =
         parse_parameters(parameters(list_query({"Brand", "Properties.Firmware", "Properties.System"})));
     if (value_or_empty(list.values, "Brand.Brand").empty() && list.errors.empty())
-        throw CameraError(Trouble::not_vapix, "not a VAPIX device: it has param.cgi, but answers something else");
+        throw CameraError(Failure::not_vapix, "not a VAPIX device: it has param.cgi, but answers something else");
     return {value_or_empty(list.values, "Brand.ProdFullName"),
             value_or_empty(list.values, "Properties.Firmware.Version"),
             value_or_empty(list.values, "Properties.System.SerialNumber")};
@@ -94,20 +94,20 @@ void Camera::update(const Parameters& values)
     try {
         answer = parameters(update_query(values));
     } catch (const CameraError& error) {
-        if (admin_path_ || error.trouble() != Trouble::not_vapix)
+        if (admin_path_ || error.kind() != Failure::not_vapix)
             throw;
         admin_path_ = true;
         answer = parameters(update_query(values));
     }
     if (const auto reason = refusal_of(answer))
-        throw CameraError(Trouble::setting_refused, "the camera refuses: " + *reason);
+        throw CameraError(Failure::setting_refused, "the camera refuses: " + *reason);
 }
 
 std::string Camera::snapshot()
 {
-    Reply reply = http_.get("/axis-cgi/jpg/image.cgi", {.whole = 4s, .body = most_picture}, time_);
+    Reply reply = http_.get("/axis-cgi/jpg/image.cgi", {.whole = 4s, .body = max_image}, time_);
     if (!is_jpeg(reply.type))
-        not_a_picture(reply.type);
+        not_an_image(reply.type);
     return std::move(reply.body);
 }
 
@@ -117,7 +117,7 @@ void Camera::stream(const std::function<void(Part)>& take)
     const auto take_all = [&] {
         while (auto part = reader->next()) {
             if (!part->type.empty() && !is_jpeg(part->type))
-                not_a_picture(part->type);
+                not_an_image(part->type);
             take(std::move(*part));
         }
     };
@@ -126,7 +126,7 @@ void Camera::stream(const std::function<void(Part)>& take)
     sink.head = [&](const Head& head) {
         const auto boundary = boundary_of(head.type);
         if (!boundary)
-            not_a_picture(head.type);
+            not_an_image(head.type);
         reader.emplace(*boundary);
     };
     sink.bytes = [&](std::string_view bytes) {
@@ -136,7 +136,7 @@ void Camera::stream(const std::function<void(Part)>& take)
     http_.fetch("/axis-cgi/mjpg/video.cgi", {}, sink);
     reader->finish();
     take_all();
-    throw CameraError(Trouble::closed, "the camera ended the stream");
+    throw CameraError(Failure::closed, "the camera ended the stream");
 }
 
 }  // namespace axis

@@ -32,7 +32,7 @@ public:
     Parameters apply(const Parameters& wanted);
     /// One image, not checked.
     std::string snapshot();
-    /// Passes on the parts of the stream until it ends, with Trouble::closed.
+    /// Passes on the parts of the stream until it ends, with Failure::closed.
     void stream(const std::function<void(Part)>& take);
 
 private:

@@ -8,18 +8,18 @@ namespace axis {
 namespace {
 
 using namespace std::chrono_literals;
-using Clock = Lifeline::Clock;
-constexpr std::chrono::milliseconds look_at_credentials{1000}, give_up_without_picture{10'000};
+using Clock = RetryPolicy::Clock;
+constexpr std::chrono::milliseconds credentials_interval{1000}, frame_timeout{10'000};
 
 /// Ends a session that restarts at once.
 struct Restart {};
 
 }  // namespace
 
-class CameraLink::Work : public capture::PictureWork<Picture> {
+class CameraLink::Work : public capture::FrameWork<Frame> {
 public:
     Work(LinkSettings settings, LinkHooks hooks)
-        : PictureWork(std::move(hooks.notice)),
+        : FrameWork(std::move(hooks.notice)),
           settings_(std::move(settings)),
           log_(std::move(hooks.log)),
           measure_(std::move(hooks.measure))
@@ -45,7 +45,7 @@ private:
     void pause();
     void look_for_credentials();
     void notice_news();
-    [[nodiscard]] std::string told() const;
+    [[nodiscard]] std::string current_condition() const;
 
     // of the thread alone
     LinkSettings settings_;                        ///< except `wanted`, which is under the mutex
@@ -53,26 +53,26 @@ private:
     std::function<Size(const std::string&)> measure_;
     std::filesystem::file_time_type credentials_written_ = written_at(settings_.credentials_path);
     std::int64_t count_ = 0;
-    Clock::time_point last_picture_{};
+    Clock::time_point last_frame_{};
 
     // under the mutex
     bool asked_ = false, restart_ = false;
-    Lifeline lifeline_{Clock::now()};
-    std::string settings_trouble_, last_told_, greeting_;
+    RetryPolicy retry_{Clock::now()};
+    std::string settings_error_, last_condition_, greeting_;
 };
 
 /// The mutex is held.
-std::string CameraLink::Work::told() const
+std::string CameraLink::Work::current_condition() const
 {
-    const std::string trouble = lifeline_.condition(Clock::now());
-    return trouble.empty() ? settings_trouble_ : trouble;
+    const std::string condition = retry_.condition(Clock::now());
+    return condition.empty() ? settings_error_ : condition;
 }
 
 void CameraLink::Work::notice_news()
 {
     const std::lock_guard lock(mutex_);
-    const std::string text = told();
-    if (std::exchange(last_told_, text) != text)
+    const std::string text = current_condition();
+    if (std::exchange(last_condition_, text) != text)
         notify();
 }
 
@@ -84,10 +84,10 @@ void CameraLink::Work::run()
         } catch (const Restart&) {
         } catch (const CameraError& error) {
             const std::lock_guard again(mutex_);
-            lifeline_.failed(error, Clock::now());
+            retry_.failed(error, Clock::now());
         } catch (const std::exception& error) {
             const std::lock_guard again(mutex_);
-            lifeline_.failed(CameraError(Trouble::refused_status, error.what()), Clock::now());
+            retry_.failed(CameraError(Failure::refused_status, error.what()), Clock::now());
         }
         notice_news();
         pause();
@@ -96,7 +96,7 @@ void CameraLink::Work::run()
 
 void CameraLink::Work::session()
 {
-    last_picture_ = Clock::now();
+    last_frame_ = Clock::now();
     Camera camera(settings_.access, [this] { check(); });
     set_up(camera);
     settings_.pace == Pace::live ? live(camera) : on_demand(camera);
@@ -108,23 +108,23 @@ void CameraLink::Work::set_up(Camera& camera)
     Parameters wanted;
     {
         const std::lock_guard lock(mutex_);
-        lifeline_.expect(Clock::now());
+        retry_.expect(Clock::now());
         restart_ = false;
         wanted = settings_.wanted;
     }
-    std::string trouble;
+    std::string error_text;
     try {
         greet(camera.identify());
         camera.apply(wanted);
     } catch (const CameraError& error) {
-        const bool anonymous = error.trouble() == Trouble::login_needed && !settings_.access.credentials;
-        if (!anonymous && error.trouble() != Trouble::setting_refused)
+        const bool anonymous = error.kind() == Failure::login_needed && !settings_.access.credentials;
+        if (!anonymous && error.kind() != Failure::setting_refused)
             throw;
         if (!wanted.empty())
-            trouble = error.what();
+            error_text = error.what();
     }
     const std::lock_guard lock(mutex_);
-    settings_trouble_ = trouble;
+    settings_error_ = error_text;
 }
 
 /// A camera that reconnects is logged once.
@@ -148,9 +148,9 @@ void CameraLink::Work::on_demand(Camera& camera)
         {
             std::unique_lock lock(mutex_);
             if (!asked_)
-                lifeline_.content();
+                retry_.expect_nothing();
             changed_.wait(lock, [&] { return asked_ || stopping_; });
-            lifeline_.expect(Clock::now());
+            retry_.expect(Clock::now());
         }
         check();
         accept(camera.snapshot());
@@ -160,24 +160,24 @@ void CameraLink::Work::on_demand(Camera& camera)
 /// Never passes on a truncated image.
 void CameraLink::Work::accept(std::string bytes)
 {
-    Picture picture{.jpeg = {}, .size = {}, .index = count_, .captured = std::chrono::system_clock::now()};
+    Frame frame{.jpeg = {}, .size = {}, .index = count_, .captured = std::chrono::system_clock::now()};
     try {
-        picture.size = measure_(bytes);
+        frame.size = measure_(bytes);
     } catch (const std::exception& problem) {
         const std::lock_guard lock(mutex_);
-        lifeline_.broken(std::string("no complete image: ") + problem.what());
+        retry_.broken(std::string("no complete image: ") + problem.what());
         if (settings_.pace == Pace::demand)
-            throw CameraError(Trouble::not_a_picture, std::string("no complete image: ") + problem.what());
+            throw CameraError(Failure::not_an_image, std::string("no complete image: ") + problem.what());
         return;
     }
-    picture.jpeg = std::make_shared<const std::string>(std::move(bytes));
+    frame.jpeg = std::make_shared<const std::string>(std::move(bytes));
     ++count_;
-    last_picture_ = Clock::now();
+    last_frame_ = Clock::now();
     const std::lock_guard lock(mutex_);
-    lifeline_.picture(last_picture_);
+    retry_.frame(last_frame_);
     asked_ = false;
-    newest_ = std::move(picture);
-    last_told_ = told();
+    newest_ = std::move(frame);
+    last_condition_ = current_condition();
     notify();
 }
 
@@ -185,11 +185,11 @@ void CameraLink::Work::accept(std::string bytes)
 void CameraLink::Work::check()
 {
     notice_news();
-    if (Clock::now() - last_picture_ > give_up_without_picture && settings_.pace == Pace::live)
-        throw CameraError(Trouble::silent, "data, but no image");
+    if (Clock::now() - last_frame_ > frame_timeout && settings_.pace == Pace::live)
+        throw CameraError(Failure::silent, "data, but no image");
     const std::lock_guard lock(mutex_);
     if (stopping_)
-        throw CameraError(Trouble::cancelled, "cancelled");
+        throw CameraError(Failure::cancelled, "cancelled");
     if (std::exchange(restart_, false))
         throw Restart();
 }
@@ -198,13 +198,13 @@ void CameraLink::Work::check()
 void CameraLink::Work::pause()
 {
     std::unique_lock lock(mutex_);
-    while (!stopping_ && lifeline_.locked_out()) {
-        changed_.wait_for(lock, look_at_credentials, [&] { return stopping_ || !lifeline_.locked_out(); });
+    while (!stopping_ && retry_.locked_out()) {
+        changed_.wait_for(lock, credentials_interval, [&] { return stopping_ || !retry_.locked_out(); });
         lock.unlock();
         look_for_credentials();
         lock.lock();
     }
-    changed_.wait_until(lock, lifeline_.next_try(), [&] { return stopping_; });
+    changed_.wait_until(lock, retry_.next_try(), [&] { return stopping_; });
 }
 
 void CameraLink::Work::look_for_credentials()
@@ -218,7 +218,7 @@ void CameraLink::Work::look_for_credentials()
         settings_.access.credentials = std::move(now);
         credentials_written_ = written;
         const std::lock_guard lock(mutex_);
-        lifeline_.new_credentials(Clock::now());
+        retry_.new_credentials(Clock::now());
     } catch (const std::exception&) {  // being written or missing: the condition stays
     }
 }
@@ -234,7 +234,7 @@ void CameraLink::Work::wanted(const Parameters& wanted)
 {
     const std::lock_guard lock(mutex_);
     settings_.wanted = wanted;
-    settings_trouble_.clear();
+    settings_error_.clear();
 }
 
 void CameraLink::Work::restart()
@@ -246,20 +246,20 @@ void CameraLink::Work::restart()
 void CameraLink::Work::once_more()
 {
     const std::lock_guard lock(mutex_);
-    lifeline_.once_more(Clock::now());
+    retry_.retry_once(Clock::now());
     changed_.notify_all();
 }
 
 bool CameraLink::Work::login_refused() const
 {
     const std::lock_guard lock(mutex_);
-    return lifeline_.login_refused();
+    return retry_.login_refused();
 }
 
 std::string CameraLink::Work::condition() const
 {
     const std::lock_guard lock(mutex_);
-    return told();
+    return current_condition();
 }
 
 CameraLink::CameraLink(LinkSettings settings, LinkHooks hooks)
@@ -267,7 +267,7 @@ CameraLink::CameraLink(LinkSettings settings, LinkHooks hooks)
 {
 }
 
-std::optional<Picture> CameraLink::take() { return work_->take(); }
+std::optional<Frame> CameraLink::take() { return work_->take(); }
 void CameraLink::ask() { work_->ask(); }
 void CameraLink::wanted(const Parameters& wanted) { work_->wanted(wanted); }
 void CameraLink::restart() { work_->restart(); }

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "camera.hpp"
-#include "lifeline.hpp"
+#include "retry_policy.hpp"
 
 #include <capture_thread.hpp>
 
@@ -26,7 +26,7 @@ struct Size {
 };
 
 /// Whole and checked.
-struct Picture {
+struct Frame {
     std::shared_ptr<const std::string> jpeg;
     Size size;
     std::int64_t index = 0;  ///< of this link, from 0
@@ -55,7 +55,7 @@ public:
     CameraLink(LinkSettings settings, LinkHooks hooks);
 
     /// The newest image not taken yet.
-    std::optional<Picture> take();
+    std::optional<Frame> take();
     /// Pace::demand: requests one image. A further request before it has arrived has no effect.
     void ask();
     /// The new configuration of the camera, which the caller has already applied.

@@ -28,7 +28,7 @@ void check_host(std::string_view host)
     const std::string_view inner = bracketed ? host.substr(1, host.size() - 2) : host;
     if (inner.empty()
         || inner.find_first_not_of(bracketed ? address_characters : host_characters) != std::string_view::npos)
-        refuse("it names no host");
+        refuse("the host is missing");
 }
 
 }  // namespace

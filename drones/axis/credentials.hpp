@@ -16,9 +16,9 @@ inline constexpr const char* password_variable = "HIVE_AXIS_PASSWORD";
 /// @param path  a file whose first line is user:password, and whose second line may be the URL of the camera that they
 /// are for; empty: the environment variables above
 /// @return  nothing if both are missing
-/// @throws std::runtime_error  when the file cannot be read, is no such file, or others could read it too; when one
+/// @throws std::runtime_error  if the file is unreadable, invalid, or readable by others; when one
 /// variable is missing
-/// @throws std::invalid_argument  when the second line is no URL of a camera
+/// @throws std::invalid_argument  if the second line is not the URL of a camera
 inline std::optional<Credentials> read_credentials(const std::string& path)
 {
     auto credentials = capture::read_credentials(path, {user_variable, password_variable});

@@ -14,14 +14,14 @@ namespace axis {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr std::size_t most_head = 65536;
+constexpr std::size_t max_head = 65536;
 constexpr int slice_ms = 100;
 
 void start_library_once()
 {
     static const CURLcode started = curl_global_init(CURL_GLOBAL_DEFAULT);
     if (started != CURLE_OK)
-        throw std::runtime_error("libcurl does not start");
+        throw std::runtime_error("libcurl cannot be initialized");
 }
 
 std::string seconds(std::chrono::milliseconds time)
@@ -45,8 +45,8 @@ struct Http::Handles {
 /// returned.
 class Http::Transfer {
 public:
-    Transfer(Handles& handles, const Access& access, const Patience& patience, const Sink& sink)
-        : easy_(handles.easy), multi_(handles.multi), access_(access), patience_(patience), sink_(sink)
+    Transfer(Handles& handles, const Access& access, const Limits& limits, const Sink& sink)
+        : easy_(handles.easy), multi_(handles.multi), access_(access), limits_(limits), sink_(sink)
     {
     }
     ~Transfer() { curl_multi_remove_handle(multi_, easy_); }
@@ -60,7 +60,7 @@ private:
     void option(CURLoption name, Value value)
     {
         if (curl_easy_setopt(easy_, name, value) != CURLE_OK)
-            throw std::runtime_error("this libcurl is too old or was built without what is needed");
+            throw std::runtime_error("this libcurl is too old or lacks a required feature");
     }
 
     static curl_socket_t open_socket(void* self, curlsocktype purpose, curl_sockaddr* address);
@@ -83,15 +83,15 @@ private:
     CURL* easy_;
     CURLM* multi_;
     const Access& access_;
-    const Patience& patience_;
+    const Limits& limits_;
     const Sink& sink_;
     Head head_;
     std::size_t head_size_ = 0;
-    bool told_ = false, connected_ = false;
+    bool head_sent_ = false, connected_ = false;
     std::string blocked_;  ///< the forbidden address
     std::exception_ptr thrown_;
-    const Clock::time_point begun_ = Clock::now();
-    Clock::time_point last_byte_ = begun_;
+    const Clock::time_point started_ = Clock::now();
+    Clock::time_point last_byte_ = started_;
 };
 
 curl_socket_t Http::Transfer::open_socket(void* self, curlsocktype, curl_sockaddr* address)
@@ -146,7 +146,7 @@ void Http::Transfer::prepare(const std::string& target)
     option(CURLOPT_NETRC, static_cast<long>(CURL_NETRC_IGNORED));
     option(CURLOPT_NOSIGNAL, 1L);
     option(CURLOPT_USERAGENT, "hive");
-    option(CURLOPT_CONNECTTIMEOUT_MS, static_cast<long>(patience_.connecting.count()));
+    option(CURLOPT_CONNECTTIMEOUT_MS, static_cast<long>(limits_.connecting.count()));
     option(CURLOPT_OPENSOCKETFUNCTION, &Transfer::open_socket);
     option(CURLOPT_OPENSOCKETDATA, this);
     option(CURLOPT_PREREQFUNCTION, &Transfer::connected);
@@ -177,8 +177,8 @@ void Http::Transfer::prepare_login()
 void Http::Transfer::take_head_line(std::string_view line)
 {
     head_size_ += line.size();
-    if (head_size_ > most_head)
-        throw CameraError(Trouble::too_large, "the head of the answer is larger than 64 KiB");
+    if (head_size_ > max_head)
+        throw CameraError(Failure::too_large, "the head of the answer is larger than 64 KiB");
     if (line.starts_with("HTTP/"))
         head_ = {};
     while (!line.empty() && std::isspace(static_cast<unsigned char>(line.back())))
@@ -199,9 +199,9 @@ void Http::Transfer::take_head_line(std::string_view line)
 
 void Http::Transfer::head_is_whole()
 {
-    if (told_)
+    if (head_sent_)
         return;
-    told_ = true;
+    head_sent_ = true;
     curl_easy_getinfo(easy_, CURLINFO_RESPONSE_CODE, &head_.status);
     if (head_.status != 200)
         throw error_of_status(access_, head_);
@@ -236,14 +236,14 @@ void Http::Transfer::run(const std::string& target)
 void Http::Transfer::check_time() const
 {
     const auto now = Clock::now();
-    if (now - begun_ > patience_.whole)
-        throw CameraError(Trouble::silent, "no whole answer from " + access_.url.text() + " within "
-                                               + seconds(patience_.whole)
+    if (now - started_ > limits_.whole)
+        throw CameraError(Failure::silent, "no complete answer from " + access_.url.text() + " within "
+                                               + seconds(limits_.whole)
                                                + ": the camera or the network is slow; try again");
-    if (connected_ && now - last_byte_ > patience_.silence)
-        throw CameraError(Trouble::silent,
+    if (connected_ && now - last_byte_ > limits_.silence)
+        throw CameraError(Failure::silent,
                           "no answer from " + access_.url.text() + ": it accepts connections but sends nothing for "
-                              + seconds(patience_.silence) + "; check that it is the camera, or restart the camera");
+                              + seconds(limits_.silence) + "; check that it is the camera, or restart the camera");
 }
 
 std::optional<CURLcode> Http::Transfer::outcome() const
@@ -257,40 +257,40 @@ std::optional<CURLcode> Http::Transfer::outcome() const
 void Http::Transfer::finish(CURLcode code)
 {
     if (!blocked_.empty())
-        throw CameraError(Trouble::not_allowed,
+        throw CameraError(Failure::not_allowed,
                           "the address " + blocked_ + " is not allowed; to allow it, set allow_address=" + blocked_);
     long problem = 0;
     curl_easy_getinfo(easy_, CURLINFO_OS_ERRNO, &problem);
     if (code != CURLE_OK)
-        throw error_of_transfer(access_, patience_, code, problem);
+        throw error_of_transfer(access_, limits_, code, problem);
     head_is_whole();
 }
 
 Http::Http(Access access) : access_(std::move(access)), handles_((start_library_once(), std::make_unique<Handles>()))
 {
     if (!handles_->easy || !handles_->multi)
-        throw std::runtime_error("libcurl does not start");
+        throw std::runtime_error("libcurl cannot be initialized");
 }
 
 Http::~Http() = default;
 
-void Http::fetch(const std::string& target, const Patience& patience, const Sink& sink)
+void Http::fetch(const std::string& target, const Limits& limits, const Sink& sink)
 {
-    Transfer(*handles_, access_, patience, sink).run(target);
+    Transfer(*handles_, access_, limits, sink).run(target);
 }
 
-Reply Http::get(const std::string& target, const Patience& patience, const std::function<void()>& time)
+Reply Http::get(const std::string& target, const Limits& limits, const std::function<void()>& time)
 {
     Reply reply;
     Sink sink;
     sink.time = time;
     sink.head = [&](const Head& head) { reply.type = head.type; };
     sink.bytes = [&](std::string_view bytes) {
-        if (reply.body.size() + bytes.size() > patience.body)
-            throw CameraError(Trouble::too_large, "an answer of more than " + std::to_string(patience.body) + " bytes");
+        if (reply.body.size() + bytes.size() > limits.body)
+            throw CameraError(Failure::too_large, "an answer of more than " + std::to_string(limits.body) + " bytes");
         reply.body += bytes;
     };
-    fetch(target, patience, sink);
+    fetch(target, limits, sink);
     return reply;
 }
 

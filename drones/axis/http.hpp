@@ -5,7 +5,7 @@
 #include "address_rule.hpp"
 #include "camera_url.hpp"
 #include "credentials.hpp"
-#include "trouble.hpp"
+#include "camera_error.hpp"
 
 #include <atomic>
 #include <chrono>
@@ -37,7 +37,7 @@ struct Head {
 };
 
 /// Timeouts and limits.
-struct Patience {
+struct Limits {
     std::chrono::milliseconds connecting{2000},
         silence{2000};  ///< until there is a connection; without a byte after that
     std::chrono::milliseconds whole{std::chrono::hours(24 * 365)};
@@ -65,9 +65,9 @@ public:
 
     /// @param target  path and query, written by this program
     /// @throws CameraError  for every status except 200
-    void fetch(const std::string& target, const Patience& patience, const Sink& sink);
-    /// The whole answer, at most `patience.body` bytes. @param time  as Sink::time
-    Reply get(const std::string& target, const Patience& patience, const std::function<void()>& time);
+    void fetch(const std::string& target, const Limits& limits, const Sink& sink);
+    /// The complete answer, at most `limits.body` bytes. @param time  as Sink::time
+    Reply get(const std::string& target, const Limits& limits, const std::function<void()>& time);
 
 private:
     class Transfer;

@@ -22,11 +22,11 @@ bool offers_digest(const Head& head)
 CameraError error_of_login(const Access& access, const Head& head)
 {
     if (!access.credentials)
-        return {Trouble::login_needed, "the camera asks for a login; set credentials"};
+        return {Failure::login_needed, "login required; set credentials"};
     if (!offers_digest(head) && !access.url.encrypted() && !access.basic_over_http)
-        return {Trouble::login_needed,
+        return {Failure::login_needed,
                 "the camera offers only basic authentication over http; use https, or set basic_over_http=on"};
-    return {Trouble::login_refused, "the camera refuses the password of " + masked(access.credentials->user)};
+    return {Failure::login_refused, "the camera refuses the password of " + masked(access.credentials->user)};
 }
 
 }  // namespace
@@ -37,35 +37,35 @@ CameraError error_of_status(const Access& access, const Head& head)
     if (head.status == 401)
         return error_of_login(access, head);
     if (head.status >= 300 && head.status < 400)
-        return {Trouble::redirected,
+        return {Failure::redirected,
                 host + " points to " + masked(head.location) + " (" + status + "), which is not followed"};
     if (head.status == 404)
-        return {Trouble::not_vapix, "not a VAPIX device: " + host + " lacks what every Axis camera has (404)"};
-    return {Trouble::refused_status, host + " answers with status " + status};
+        return {Failure::not_vapix, "not a VAPIX device: " + host + " lacks what every Axis camera has (404)"};
+    return {Failure::refused_status, host + " answers with status " + status};
 }
 
-CameraError error_of_transfer(const Access& access, const Patience& patience, int code, long problem)
+CameraError error_of_transfer(const Access& access, const Limits& limits, int code, long problem)
 {
     const std::string host = access.url.text(), reason = curl_easy_strerror(static_cast<CURLcode>(code));
     switch (code) {
-    case CURLE_COULDNT_RESOLVE_HOST: return {Trouble::unknown_host, "no such host: " + access.url.host};
+    case CURLE_COULDNT_RESOLVE_HOST: return {Failure::unknown_host, "no such host: " + access.url.host};
     case CURLE_COULDNT_CONNECT:
-        return problem == ECONNREFUSED ? CameraError(Trouble::refused, "connection refused by " + host)
-                                       : CameraError(Trouble::no_route, "no route to " + host);
+        return problem == ECONNREFUSED ? CameraError(Failure::refused, "connection refused by " + host)
+                                       : CameraError(Failure::no_route, "no route to " + host);
     case CURLE_OPERATION_TIMEDOUT:
-        return {Trouble::no_answer,
-                "no connection to " + host + " within " + std::to_string(patience.connecting.count() / 1000) + " s"};
+        return {Failure::no_answer,
+                "no connection to " + host + " within " + std::to_string(limits.connecting.count() / 1000) + " s"};
     case CURLE_SSL_CONNECT_ERROR:
     case CURLE_PEER_FAILED_VERIFICATION:
-        return {Trouble::insecure, "no encrypted connection to " + host + ": " + reason};
+        return {Failure::insecure, "no encrypted connection to " + host + ": " + reason};
     case CURLE_SSL_CACERT_BADFILE:
-        return {Trouble::insecure, "no encrypted connection to " + host + ": the certificate in "
+        return {Failure::insecure, "no encrypted connection to " + host + ": the certificate in "
                                        + (access.certificate.empty() ? "the system" : access.certificate)
                                        + " cannot be read"};
     case CURLE_UNSUPPORTED_PROTOCOL:
-    case CURLE_WEIRD_SERVER_REPLY: return {Trouble::not_vapix, "not a VAPIX device: " + host + " does not use HTTP"};
-    case CURLE_OUT_OF_MEMORY: return {Trouble::too_large, "the head of the answer is too large"};  // one endless line
-    default: return {Trouble::closed, host + " closed the connection: " + reason};
+    case CURLE_WEIRD_SERVER_REPLY: return {Failure::not_vapix, "not a VAPIX device: " + host + " does not use HTTP"};
+    case CURLE_OUT_OF_MEMORY: return {Failure::too_large, "the head of the answer is too large"};  // one endless line
+    default: return {Failure::closed, host + " closed the connection: " + reason};
     }
 }
 

@@ -1,7 +1,7 @@
 // Parses a multipart stream in four phases.
 #include "multipart.hpp"
 
-#include "trouble.hpp"
+#include "camera_error.hpp"
 
 #include <algorithm>
 #include <cctype>
@@ -29,7 +29,7 @@ std::optional<std::size_t> number(std::string_view text)
     std::size_t value = 0;
     const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (problem == std::errc::result_out_of_range)
-        return MultipartReader::most_part + 1;
+        return MultipartReader::max_part + 1;
     return problem == std::errc() && end == text.data() + text.size() ? std::optional(value) : std::nullopt;
 }
 
@@ -99,8 +99,8 @@ bool MultipartReader::seek()
     const std::size_t useless = buffer_.size() - std::min(buffer_.size(), boundary_.size() - 1);
     drop(useless);
     skipped_ += useless;
-    if (skipped_ > most_part)
-        throw CameraError(Trouble::not_a_picture, "not an image: no boundary in 16 MiB of the stream");
+    if (skipped_ > max_part)
+        throw CameraError(Failure::not_an_image, "not an image: no boundary in 16 MiB of the stream");
     return false;
 }
 
@@ -109,8 +109,8 @@ bool MultipartReader::pass_boundary(std::size_t at)
 {
     const std::size_t end = buffer_.find('\n', at);
     if (end == std::string::npos) {
-        if (buffer_.size() - at > most_head)
-            throw CameraError(Trouble::too_large, "a head of more than 8 KiB in the stream");
+        if (buffer_.size() - at > max_head)
+            throw CameraError(Failure::too_large, "a head of more than 8 KiB in the stream");
         return false;
     }
     drop(end + 1);
@@ -123,8 +123,8 @@ bool MultipartReader::pass_boundary(std::size_t at)
 bool MultipartReader::read_head()
 {
     const std::size_t end = buffer_.find('\n');
-    if (head_size_ + std::min(end, buffer_.size()) > most_head)
-        throw CameraError(Trouble::too_large, "a head of more than 8 KiB in the stream");
+    if (head_size_ + std::min(end, buffer_.size()) > max_head)
+        throw CameraError(Failure::too_large, "a head of more than 8 KiB in the stream");
     if (end == std::string::npos)
         return false;
     const std::string_view line = trimmed(std::string_view(buffer_).substr(0, end));
@@ -141,8 +141,8 @@ bool MultipartReader::read_head()
 void MultipartReader::begin_body()
 {
     const std::size_t length = number(head_["content-length"]).value_or(0);
-    if (length > most_part)
-        throw CameraError(Trouble::too_large, "an image of more than 16 MiB is announced");
+    if (length > max_part)
+        throw CameraError(Failure::too_large, "the camera announces an image of more than 16 MiB");
     phase_ = length > 0 ? Phase::counted : Phase::open;
     length_ = length;
     seen_ = 0;
@@ -160,8 +160,8 @@ bool MultipartReader::read_counted()
 bool MultipartReader::read_open()
 {
     const std::size_t at = buffer_.find(boundary_, seen_);
-    if (std::min(at, buffer_.size()) > most_part)
-        throw CameraError(Trouble::too_large, "an image of more than 16 MiB");
+    if (std::min(at, buffer_.size()) > max_part)
+        throw CameraError(Failure::too_large, "an image of more than 16 MiB");
     if (at == std::string::npos) {
         seen_ = buffer_.size() - std::min(buffer_.size(), boundary_.size() - 1);
         return false;

@@ -22,11 +22,11 @@ std::optional<std::string> boundary_of(std::string_view content_type);
 /// Bytes in, parts out: no socket, no clock.
 class MultipartReader {
 public:
-    static constexpr std::size_t most_part = 16u << 20, most_head = 8192;
+    static constexpr std::size_t max_part = 16u << 20, max_head = 8192;
 
     explicit MultipartReader(std::string_view boundary);
 
-    /// @throws CameraError  too_large: a part over 16 MiB or a head over 8 KiB; not_a_picture: no boundary in 16 MiB
+    /// @throws CameraError  too_large: a part over 16 MiB or a head over 8 KiB; not_an_image: no boundary in 16 MiB
     void feed(std::string_view bytes);
     /// The stream has ended: a part without a length may be complete.
     void finish();
@@ -45,7 +45,7 @@ private:
     void give(std::size_t size);
     void drop(std::size_t size);
 
-    std::string boundary_;  ///< "--name", whatever dashes the camera writes before it
+    std::string boundary_;  ///< "--name", for any number of leading dashes
     std::string buffer_;
     Phase phase_ = Phase::between;
     std::size_t length_ = 0;   ///< counted: by the head

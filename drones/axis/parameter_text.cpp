@@ -1,4 +1,4 @@
-// Parses lines of name=value, and lines that begin with #.
+// Parses lines of name=value, and lines that start with #.
 #include "parameter_text.hpp"
 
 #include <algorithm>
@@ -7,7 +7,7 @@
 namespace axis {
 namespace {
 
-constexpr std::size_t most_reason = 4000;
+constexpr std::size_t max_reason = 4000;
 
 /// Is it UTF-8? Good enough to distinguish it from Latin-1: every lead byte has its number of continuation bytes.
 bool is_utf8(std::string_view text)
@@ -104,7 +104,7 @@ std::optional<std::string> refusal_of(std::string_view body)
     const ParameterList list = parse_parameters(body);
     std::string text;
     for (const auto& error : list.errors)
-        if (text.size() + error.size() < most_reason)
+        if (text.size() + error.size() < max_reason)
             text += (text.empty() ? "" : "; ") + error;
     if (!text.empty())
         return text;

@@ -14,7 +14,7 @@ using Parameters = std::map<std::string, std::string>;
 
 struct ParameterList {
     Parameters values;                ///< converted to UTF-8
-    std::vector<std::string> errors;  ///< the lines that begin with `#`, without it: they come with status 200
+    std::vector<std::string> errors;  ///< the lines that start with `#`, without it; their status is 200
 };
 
 ParameterList parse_parameters(std::string_view body);

@@ -34,14 +34,14 @@ cv::Mat disc(int radius) { return cv::getStructuringElement(cv::MORPH_ELLIPSE, {
 
 }  // namespace
 
-Foreground ForegroundFinder::find(const cv::Mat& picture)
+Foreground ForegroundFinder::find(const cv::Mat& image)
 {
-    if (!subtractor_ || model != begun_with_ || picture.size() != size_ || picture.type() != type_)
-        begin(picture);
+    if (!subtractor_ || model != started_with_ || image.size() != size_ || image.type() != type_)
+        begin(image);
     Foreground result;
-    subtractor_->apply(picture, result.mask, learning_rate(model));
-    if (learned_ >= young && relight(picture, result.mask)) {
-        subtractor_->apply(picture, result.mask, learning_rate(model));
+    subtractor_->apply(image, result.mask, learning_rate(model));
+    if (learned_ >= young && relight(image, result.mask)) {
+        subtractor_->apply(image, result.mask, learning_rate(model));
         result.light_changed = true;
     }
     result.learned = ++learned_;
@@ -52,12 +52,12 @@ Foreground ForegroundFinder::find(const cv::Mat& picture)
     return result;
 }
 
-void ForegroundFinder::begin(const cv::Mat& picture)
+void ForegroundFinder::begin(const cv::Mat& image)
 {
     subtractor_ = make(model);
-    begun_with_ = model;
-    size_ = picture.size();
-    type_ = picture.type();
+    started_with_ = model;
+    size_ = image.size();
+    type_ = image.type();
     learned_ = 0;
     known_.release();
 }
@@ -65,10 +65,10 @@ void ForegroundFinder::begin(const cv::Mat& picture)
 /// If the light has changed, restarts the model with its known background in the new light, so that things in front of
 /// it stay foreground. (OpenCV's KNN does not return the background of grey images.) Small copies detect a change; the
 /// full background is computed only for one. The small background is kept, because much foreground may stay for long.
-bool ForegroundFinder::relight(const cv::Mat& picture, const cv::Mat& mask)
+bool ForegroundFinder::relight(const cv::Mat& image, const cv::Mat& mask)
 {
-    const bool told = model.method == "mog2" || picture.channels() == 3;
-    if (!told || 100.0 * cv::countNonZero(mask == foreground) <= light * static_cast<double>(mask.total()))
+    const bool has_background = model.method == "mog2" || image.channels() == 3;
+    if (!has_background || 100.0 * cv::countNonZero(mask == foreground) <= light * static_cast<double>(mask.total()))
         return false;
     cv::Mat known, ignored;
     if (known_.empty() || learned_ - known_at_ >= renewal) {
@@ -76,7 +76,7 @@ bool ForegroundFinder::relight(const cv::Mat& picture, const cv::Mat& mask)
         known_ = reduced(known);
         known_at_ = learned_;
     }
-    const auto gains = change_of_light(reduced(picture), known_);
+    const auto gains = change_of_light(reduced(image), known_);
     if (!gains)
         return false;
     subtractor_->getBackgroundImage(known);
@@ -118,9 +118,9 @@ std::vector<Blob> ForegroundFinder::blobs_of(const cv::Mat& mask) const
     const auto place = [](const Blob& blob) {
         return std::tuple(blob.box.y, blob.box.x, blob.box.height, blob.box.width);
     };
-    if (blobs.size() > most_blobs) {
+    if (blobs.size() > max_blobs) {
         std::ranges::sort(blobs, {}, [&](const Blob& blob) { return std::tuple(-blob.area, place(blob)); });
-        blobs.resize(most_blobs);
+        blobs.resize(max_blobs);
     }
     std::ranges::sort(blobs, {}, place);
     return blobs;

@@ -32,14 +32,14 @@ struct Blob {
 /// One image's foreground.
 struct Foreground {
     cv::Mat mask;                ///< grey: 255 foreground, 0 background, 127 shadow
-    std::vector<Blob> blobs;     ///< at most most_blobs, the largest; from top to bottom, then from left to right
+    std::vector<Blob> blobs;     ///< at most max_blobs, the largest; from top to bottom, then from left to right
     std::int64_t learned = 0;    ///< images that the model has seen, this one included
     bool light_changed = false;  ///< at this image: the model was restarted with the known background in the new light
 };
 
 class ForegroundFinder {
 public:
-    static constexpr std::size_t most_blobs = 256;
+    static constexpr std::size_t max_blobs = 256;
     static constexpr int young = 4;  ///< the first images of a model are all background
     static constexpr unsigned char foreground = 255, shadow = 127;
 
@@ -51,19 +51,19 @@ public:
 
     /// Processes the next image. The first one, and one of another size or number of channels, starts a new model; so
     /// does one that is mostly the known background in another light.
-    /// @param picture  8 bit, BGR or grey; not changed
-    [[nodiscard]] Foreground find(const cv::Mat& picture);
+    /// @param image  8 bit, BGR or grey; not changed
+    [[nodiscard]] Foreground find(const cv::Mat& image);
     /// Makes the next image start a new model.
     void restart() { subtractor_.release(); }
 
 private:
-    void begin(const cv::Mat& picture);
-    [[nodiscard]] bool relight(const cv::Mat& picture, const cv::Mat& mask);
+    void begin(const cv::Mat& image);
+    [[nodiscard]] bool relight(const cv::Mat& image, const cv::Mat& mask);
     void tidy(cv::Mat& mask) const;
     [[nodiscard]] std::vector<Blob> blobs_of(const cv::Mat& mask) const;
 
     cv::Ptr<cv::BackgroundSubtractor> subtractor_;
-    ModelSettings begun_with_;
+    ModelSettings started_with_;
     cv::Size size_;
     int type_ = 0;
     std::int64_t learned_ = 0, known_at_ = 0;

@@ -26,50 +26,50 @@ double median(std::vector<double>& numbers)
     return *middle;
 }
 
-/// The brightness ratio of a channel of `picture`; nothing if too few places are usable.
-std::optional<double> gain_of(const cv::Mat& picture, const cv::Mat& known)
+/// The brightness ratio of a channel of `image`; nothing if too few places are usable.
+std::optional<double> gain_of(const cv::Mat& image, const cv::Mat& known)
 {
     std::vector<double> ratios;
-    for (int y = 0; y < picture.rows; ++y)
-        for (int x = 0; x < picture.cols; ++x)
-            if (const int now = *picture.ptr(y, x), before = *known.ptr(y, x); tells(now) && tells(before))
+    for (int y = 0; y < image.rows; ++y)
+        for (int x = 0; x < image.cols; ++x)
+            if (const int now = *image.ptr(y, x), before = *known.ptr(y, x); tells(now) && tells(before))
                 ratios.push_back(static_cast<double>(now) / before);
     return ratios.size() >= enough_places ? std::optional(median(ratios)) : std::nullopt;
 }
 
-double agreement(const cv::Mat& picture, const cv::Mat& lit)
+double agreement(const cv::Mat& image, const cv::Mat& lit)
 {
     double agree = 0;
-    for (int y = 0; y < picture.rows; ++y)
-        for (int x = 0; x < picture.cols; ++x) {
-            const int now = *picture.ptr(y, x), expected = *lit.ptr(y, x);
+    for (int y = 0; y < image.rows; ++y)
+        for (int x = 0; x < image.cols; ++x) {
+            const int now = *image.ptr(y, x), expected = *lit.ptr(y, x);
             agree += std::abs(now - expected) <= std::max(noise, share_of_value * expected) ? 1 : 0;
         }
-    return agree / static_cast<double>(picture.total());
+    return agree / static_cast<double>(image.total());
 }
 
 }  // namespace
 
-cv::Mat reduced(const cv::Mat& picture)
+cv::Mat reduced(const cv::Mat& image)
 {
-    const int step = std::max(1, std::max(picture.cols, picture.rows) / places);
-    cv::Mat small(std::max(1, picture.rows / step), std::max(1, picture.cols / step), picture.type());
+    const int step = std::max(1, std::max(image.cols, image.rows) / places);
+    cv::Mat small(std::max(1, image.rows / step), std::max(1, image.cols / step), image.type());
     for (int y = 0; y < small.rows; ++y)
         for (int x = 0; x < small.cols; ++x) {
             const cv::Scalar mean =
-                cv::mean(picture(cv::Rect(x * step, y * step, step, step) & cv::Rect({}, picture.size())));
-            for (int channel = 0; channel < picture.channels(); ++channel)
+                cv::mean(image(cv::Rect(x * step, y * step, step, step) & cv::Rect({}, image.size())));
+            for (int channel = 0; channel < image.channels(); ++channel)
                 small.ptr(y, x)[channel] = cv::saturate_cast<unsigned char>(mean[channel]);
         }
     return small;
 }
 
-std::optional<std::vector<double>> change_of_light(const cv::Mat& picture, const cv::Mat& known)
+std::optional<std::vector<double>> change_of_light(const cv::Mat& image, const cv::Mat& known)
 {
-    if (known.size() != picture.size() || known.type() != picture.type())
+    if (known.size() != image.size() || known.type() != image.type())
         return std::nullopt;
     std::vector<cv::Mat> seen, remembered;
-    cv::split(picture, seen);
+    cv::split(image, seen);
     cv::split(known, remembered);
     std::vector<double> gains;
     for (std::size_t i = 0; i < seen.size(); ++i) {
@@ -85,10 +85,10 @@ std::optional<std::vector<double>> change_of_light(const cv::Mat& picture, const
     return most <= colour_cast * least ? std::optional(gains) : std::nullopt;
 }
 
-cv::Mat in_the_light(const cv::Mat& picture, const std::vector<double>& gains)
+cv::Mat in_the_light(const cv::Mat& image, const std::vector<double>& gains)
 {
     std::vector<cv::Mat> channels;
-    cv::split(picture, channels);
+    cv::split(image, channels);
     for (std::size_t i = 0; i < channels.size(); ++i)
         channels[i].convertTo(channels[i], -1, gains[i]);
     cv::Mat lit;

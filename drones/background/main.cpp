@@ -18,7 +18,7 @@ namespace {
 using background::Foreground;
 using background::ForegroundFinder;
 
-hive::Json boxes_header(const Foreground& found, const cv::Mat& picture)
+hive::Json boxes_header(const Foreground& found, const cv::Mat& image)
 {
     hive::Json boxes = hive::Json::array();
     for (const auto& [box, area] : found.blobs)
@@ -27,7 +27,7 @@ hive::Json boxes_header(const Foreground& found, const cv::Mat& picture)
                          {"w", box.width},
                          {"h", box.height},
                          {"area", area},
-                         {"colours", colours::of(picture, box, found.mask)}});
+                         {"colours", colours::of(image, box, found.mask)}});
     return {{"boxes", std::move(boxes)},
             {"width", found.mask.cols},
             {"height", found.mask.rows},
@@ -76,26 +76,26 @@ void background_drone(hive::Drone& drone)
     drone.on_event(
         "image", hive::vision::image_types,
         [&](const hive::Event& event) {
-            const cv::Mat picture = hive::vision::view(event);
+            const cv::Mat image = hive::vision::view(event);
             const std::pair seen(event.identity.source, event.identity.epoch);
             if (std::exchange(source, seen) != seen)
                 finder.restart();  // another scene, or the same one from its beginning
-            const Foreground found = finder.find(picture);
+            const Foreground found = finder.find(image);
             if (found.learned == 1)
                 drone.log("learning a background size=" + std::to_string(found.mask.cols) + "x"
                           + std::to_string(found.mask.rows));
             if (found.light_changed)
                 drone.log("adapted the known background to new light sequence="
                           + std::to_string(event.identity.sequence));
-            hive::Json of_boxes = boxes_header(found, picture), of_mask = mask_header(found);
+            hive::Json of_boxes = boxes_header(found, image), of_mask = mask_header(found);
             media_fields::pass_on(event.header, of_boxes);
             media_fields::pass_on(event.header, of_mask);
             boxes.emit(std::move(of_boxes));
             mask.emit(
                 std::move(of_mask), [&] { return mask_body(mask, found.mask); }, "image/raw");
-            hive::Json of_picture{{"width", picture.cols}, {"height", picture.rows}, {"learned", found.learned}};
-            media_fields::pass_on(event.header, of_picture);
-            hive::vision::emit_annotated(foreground, loans, std::move(of_picture), picture, [&](cv::Mat& canvas) {
+            hive::Json of_image{{"width", image.cols}, {"height", image.rows}, {"learned", found.learned}};
+            media_fields::pass_on(event.header, of_image);
+            hive::vision::emit_annotated(foreground, loans, std::move(of_image), image, [&](cv::Mat& canvas) {
                 canvas.setTo(0, found.mask != ForegroundFinder::foreground);
             });
         },

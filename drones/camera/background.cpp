@@ -41,9 +41,9 @@ cv::Mat soft_noise(cv::Size size, cv::RNG& random)
         cv::resize(cells, enlarged, {}, octave.cell, octave.cell, cv::INTER_CUBIC);
         sum += enlarged(cv::Rect({}, size));
     }
-    cv::Mat picture;
-    sum.convertTo(picture, CV_8U);
-    return picture;
+    cv::Mat image;
+    sum.convertTo(image, CV_8U);
+    return image;
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr double usual_fps = 30;  ///< of the scene and of images
+constexpr double default_fps = 30;  ///< of the scene and of images
 
 /// The size an image of size `own` is sent with; a side of 0 follows the other, or stays as it is. Throws
 /// Errc::too_large when receivers would refuse it.
@@ -68,7 +68,7 @@ hive::Json hands_of(const Frame& frame)
 
 CameraDrone::CameraDrone(hive::Drone& drone)
     : drone_(drone),
-      image_(drone.output("image", hive::vision::image_types, "the pictures", hive::vision::encoder())),
+      image_(drone.output("image", hive::vision::image_types, "the images", hive::vision::encoder())),
       memory_(std::make_shared<hive::vision::LoanAllocator>(
           [output = image_](std::size_t bytes) { return output.loan(bytes); }))
 {
@@ -227,7 +227,7 @@ void CameraDrone::end(const std::string& cut_short)
 /// The same for a file that cannot be decoded.
 std::chrono::microseconds CameraDrone::send(const Frame& frame, bool lossless)
 {
-    if (frame.begins_again)
+    if (frame.restarts)
         image_.begin_source();
     const auto named = [&](const char* problem) { return (frame.file.empty() ? "" : frame.file + ": ") + problem; };
     try {
@@ -296,17 +296,18 @@ hive::Json CameraDrone::about(const Frame& frame) const
     if (frame.media_time)
         header["media_time_us"] = frame.media_time->count();
     else if (frame.knows_truth || (fps_ > 0 && !loop_ && !frame.file.empty()))  // drawn or shown frame by frame
-        header["media_time_us"] = std::llround(static_cast<double>(frame.index) / (fps_ > 0 ? fps_ : usual_fps) * 1e6);
+        header["media_time_us"] =
+            std::llround(static_cast<double>(frame.index) / (fps_ > 0 ? fps_ : default_fps) * 1e6);
     return header;
 }
 
 hive::Body CameraDrone::pixels(const Frame& frame, const hive::vision::PlainForm& form, cv::Size size)
 {
-    const cv::Mat picture = frame.jpeg ? hive::vision::decode(body_of(frame.jpeg), "image/jpeg") : frame.image;
-    if (picture.size() == size)
-        return form.body(picture);
-    cv::Mat resized = memory_->picture();
-    cv::resize(picture, resized, size, 0, 0, size.area() < picture.size().area() ? cv::INTER_AREA : cv::INTER_LINEAR);
+    const cv::Mat image = frame.jpeg ? hive::vision::decode(body_of(frame.jpeg), "image/jpeg") : frame.image;
+    if (image.size() == size)
+        return form.body(image);
+    cv::Mat resized = memory_->image();
+    cv::resize(image, resized, size, 0, 0, size.area() < image.size().area() ? cv::INTER_AREA : cv::INTER_LINEAR);
     return form.body(resized);
 }
 

@@ -16,20 +16,16 @@ namespace {
 using Clock = std::chrono::steady_clock;
 constexpr std::chrono::seconds stalled_after{2};
 constexpr std::chrono::milliseconds shortest_pause{500}, longest_pause{10'000};
-constexpr double usual_fps = 30;
-constexpr int most_refused_logins = 3;      ///< cameras lock out users after too many attempts
-constexpr std::size_t most_problems = 100;  ///< pending
+constexpr double default_fps = 30;
+constexpr int max_refused_logins = 3;      ///< cameras lock out users after too many attempts
+constexpr std::size_t max_problems = 100;  ///< pending
 
 }  // namespace
 
-class Capture::Work : public capture::PictureWork<Frame> {
+class Capture::Work : public capture::FrameWork<Frame> {
 public:
     Work(Opener open, double fps, AtEnd at_end, std::function<void()> notice, std::string opening)
-        : PictureWork(std::move(notice)),
-          open_(std::move(open)),
-          fps_(fps),
-          at_end_(at_end),
-          opening_(std::move(opening))
+        : FrameWork(std::move(notice)), open_(std::move(open)), fps_(fps), at_end_(at_end), opening_(std::move(opening))
     {
     }
 
@@ -60,8 +56,8 @@ public:
     [[nodiscard]] std::string condition(Clock::time_point now) const
     {
         const std::lock_guard lock(mutex_);
-        if (!trouble_.empty())
-            return trouble_;
+        if (!last_error_.empty())
+            return last_error_;
         return now - last_news_ > stalled_after ? "stalled" : "";
     }
 
@@ -71,7 +67,7 @@ private:
     void say(const std::string& text)
     {
         const std::lock_guard lock(mutex_);
-        trouble_ = text;
+        last_error_ = text;
         last_news_ = Clock::now();
         notify();
     }
@@ -81,14 +77,14 @@ private:
         const std::lock_guard lock(mutex_);
         cut_short_ = std::move(cut_short);
         file_ended_ = true;
-        trouble_ = "end of source";
+        last_error_ = "end of source";
         notify();
     }
 
     void give_up(const std::string& text, bool for_good)
     {
         const std::lock_guard lock(mutex_);
-        trouble_ = text;
+        last_error_ = text;
         gave_up_ = for_good;
         notify();
     }
@@ -96,7 +92,7 @@ private:
     void report(const std::string& problem)
     {
         const std::lock_guard lock(mutex_);
-        if (problems_.size() < most_problems)
+        if (problems_.size() < max_problems)
             problems_.push_back(problem);
         notify();
     }
@@ -104,12 +100,12 @@ private:
     /// Skips an unreadable image. As long as others arrive, the condition of the source is unaffected.
     void pass_over(const std::string& problem)
     {
-        const bool alone = !std::exchange(gives_pictures_, false);
+        const bool alone = !std::exchange(gives_images_, false);
         const std::lock_guard lock(mutex_);
-        if (problems_.size() < most_problems)
+        if (problems_.size() < max_problems)
             problems_.push_back(problem);
         if (alone) {
-            trouble_ = problem;
+            last_error_ = problem;
             last_news_ = Clock::now();
         }
         notify();
@@ -119,11 +115,11 @@ private:
     {
         backoff_.reset();
         logins_refused_ = 0;
-        gives_pictures_ = true;
+        gives_images_ = true;
         const std::lock_guard lock(mutex_);
-        frame.begins_again |= newest_ && newest_->begins_again;  // that one was not taken
+        frame.restarts |= newest_ && newest_->restarts;  // that one was not taken
         newest_ = std::move(frame);
-        trouble_.clear();
+        last_error_.clear();
         last_news_ = Clock::now();
         notify();
     }
@@ -141,7 +137,7 @@ private:
     /// Delays a file's image until it is due: at `fps`, or else by its own times. Skips an unreadable one.
     Outcome read_file(Source& source)
     {
-        const double rate = fps_ > 0 ? fps_ : source.fps() > 0 ? source.fps() : usual_fps;
+        const double rate = fps_ > 0 ? fps_ : source.fps() > 0 ? source.fps() : default_fps;
         Schedule schedule(rate, Clock::now());
         OwnTimes own(std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1 / rate)));
         while (hold_until(schedule.due()))
@@ -199,7 +195,7 @@ private:
                 end(source->cut_short());
             return camera;
         } catch (const LoginRefused& problem) {
-            const bool again = ++logins_refused_ < most_refused_logins;
+            const bool again = ++logins_refused_ < max_refused_logins;
             give_up(problem.what() + std::string(again ? "" : "; set any parameter to retry"), !again);
             return again;
         } catch (const std::exception& problem) {
@@ -221,10 +217,10 @@ private:
     std::string opening_;
     hive::Backoff backoff_{shortest_pause, longest_pause};  ///< reset with each image
     int logins_refused_ = 0;
-    bool gives_pictures_ = false;  ///< the last attempt at one did
+    bool gives_images_ = false;  ///< the last attempt at one did
 
     // under the mutex
-    std::string trouble_;  ///< empty while the source is open
+    std::string last_error_;  ///< empty while the source is open
     bool file_ended_ = false, gave_up_ = false;
     std::string cut_short_;
     std::vector<std::string> problems_;

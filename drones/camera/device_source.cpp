@@ -41,11 +41,11 @@ public:
     [[nodiscard]] double fps() const override { return capture_.get(cv::CAP_PROP_FPS); }
 
 private:
-    [[nodiscard]] cv::Mat copied(const cv::Mat& picture) const
+    [[nodiscard]] cv::Mat copied(const cv::Mat& image) const
     {
         cv::Mat copy;
         copy.allocator = memory_;
-        picture.copyTo(copy);
+        image.copyTo(copy);
         return copy;
     }
 

@@ -107,16 +107,16 @@ std::vector<const Feature*> features_of_row(float v)
 
 }  // namespace
 
-void draw_face(cv::Mat& picture, const cv::Rect2d& box)
+void draw_face(cv::Mat& image, const cv::Rect2d& box)
 {
     const int first_row = std::max(0, static_cast<int>(box.y + top * box.height));
-    const int end_row = std::min(picture.rows, static_cast<int>(box.y + bottom * box.height) + 1);
+    const int end_row = std::min(image.rows, static_cast<int>(box.y + bottom * box.height) + 1);
     const int first_column = std::max(0, static_cast<int>(box.x));
-    const int end_column = std::min(picture.cols, static_cast<int>(box.x + box.width) + 1);
+    const int end_column = std::min(image.cols, static_cast<int>(box.x + box.width) + 1);
     for (int y = first_row; y < end_row; ++y) {
         const auto v = static_cast<float>((y + 0.5 - box.y) / box.height);
         const auto features = features_of_row(v);
-        auto* row = picture.ptr<cv::Vec3b>(y);
+        auto* row = image.ptr<cv::Vec3b>(y);
         for (int x = first_column; x < end_column; ++x) {
             const auto u = static_cast<float>((x + 0.5 - box.x) / box.width);
             const float hair = hair_at(u, v), alpha = std::max(head.at(u, v), hair);

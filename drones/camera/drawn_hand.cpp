@@ -71,21 +71,21 @@ cv::Mat shading(const cv::Mat& mask, double radius)
 
 }  // namespace
 
-void draw_hand(cv::Mat& picture, const DrawnHand& hand)
+void draw_hand(cv::Mat& image, const DrawnHand& hand)
 {
     const cv::Vec3f skin(110, 150, 205);
-    const cv::Mat mask = Silhouette(picture.size(), hand).mask();
+    const cv::Mat mask = Silhouette(image.size(), hand).mask();
     const cv::Rect around = cv::boundingRect(mask);
     if (around.empty())
         return;
-    const cv::Rect part = (around + cv::Size(8, 8) - cv::Point(4, 4)) & cv::Rect({}, picture.size());
+    const cv::Rect part = (around + cv::Size(8, 8) - cv::Point(4, 4)) & cv::Rect({}, image.size());
     cv::Mat alpha;
     mask(part).convertTo(alpha, CV_32F, 1.0 / 255);
     cv::GaussianBlur(alpha, alpha, {}, 1);
     const cv::Mat light = shading(mask(part), hand.radius);
     for (int y = 0; y < part.height; ++y)
         for (int x = 0; x < part.width; ++x) {
-            cv::Vec3b& pixel = picture.at<cv::Vec3b>(part.y + y, part.x + x);
+            cv::Vec3b& pixel = image.at<cv::Vec3b>(part.y + y, part.x + x);
             const float share = alpha.at<float>(y, x);
             pixel = cv::Vec3f(pixel) * (1 - share) + skin * (light.at<float>(y, x) * share);
         }

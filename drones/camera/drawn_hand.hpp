@@ -18,6 +18,6 @@ struct DrawnHand {
 
 /// Draws the hand in skin colour into a BGR image. Fingers reach 2.55 radii from the centre, a thumb 1.95. What lies
 /// outside the image is cut off.
-void draw_hand(cv::Mat& picture, const DrawnHand& hand);
+void draw_hand(cv::Mat& image, const DrawnHand& hand);
 
 }  // namespace camera

@@ -12,12 +12,12 @@ namespace {
 /// Draws in the walker's own coordinates.
 class Pen {
 public:
-    Pen(cv::Mat& picture, const Walker& walker) : picture_(picture), walker_(walker) {}
+    Pen(cv::Mat& image, const Walker& walker) : image_(image), walker_(walker) {}
 
     void line(cv::Point2d from, cv::Point2d to, double thickness, const cv::Scalar& colour)
     {
         const int px = std::max(1, static_cast<int>(std::lround(thickness * walker_.height)));
-        cv::line(picture_, place(from), place(to), colour, px, cv::LINE_AA, parts_bits);
+        cv::line(image_, place(from), place(to), colour, px, cv::LINE_AA, parts_bits);
     }
     void ellipse(cv::Point2d middle, cv::Size2d radii, const cv::Scalar& colour) { arc(middle, radii, 0, 360, colour); }
     /// Filled, from one angle to the other: 0 right, 90 down, 270 up.
@@ -25,7 +25,7 @@ public:
     {
         const cv::Size size(std::lround(radii.width * walker_.height * parts),
                             std::lround(radii.height * walker_.height * parts));
-        cv::ellipse(picture_, place(middle), size, 0, from, to, colour, cv::FILLED, cv::LINE_AA, parts_bits);
+        cv::ellipse(image_, place(middle), size, 0, from, to, colour, cv::FILLED, cv::LINE_AA, parts_bits);
     }
 
 private:
@@ -37,7 +37,7 @@ private:
                 static_cast<int>(std::lround((walker_.top + at.y * walker_.height) * parts))};
     }
 
-    cv::Mat& picture_;
+    cv::Mat& image_;
     const Walker& walker_;
 };
 
@@ -71,10 +71,10 @@ void draw_torso_and_head(Pen& pen)
 
 }  // namespace
 
-void draw_walker(cv::Mat& picture, const Walker& walker)
+void draw_walker(cv::Mat& image, const Walker& walker)
 {
     const double step = 0.10 * std::sin(walker.phase);
-    Pen pen(picture, walker);
+    Pen pen(image, walker);
     draw_leg(pen, -1, step, {45, 40, 38});
     draw_leg(pen, 1, step, {52, 46, 42});
     draw_arm(pen, -1, step);

@@ -19,6 +19,6 @@ struct Walker {
 };
 
 /// Draws into a BGR image. What lies outside of it is cut off.
-void draw_walker(cv::Mat& picture, const Walker& walker);
+void draw_walker(cv::Mat& image, const Walker& walker);
 
 }  // namespace camera

@@ -18,7 +18,7 @@ double swing(std::int64_t index, int period)
 
 std::optional<DrawnHand> hand_at(std::int64_t index, cv::Size size)
 {
-    const int fingers = fingers_shown[static_cast<std::size_t>(index / pictures_per_gesture) % fingers_shown.size()];
+    const int fingers = fingers_shown[static_cast<std::size_t>(index / frames_per_gesture) % fingers_shown.size()];
     if (fingers == no_hand)
         return std::nullopt;
     const double radius = std::min(size.width, size.height) * (0.1 + 0.02 * swing(index, 151));

@@ -10,7 +10,7 @@
 namespace camera {
 
 /// Shows each for this many frames, repeatedly: first no hand, so that a background can be learned.
-inline constexpr int pictures_per_gesture = 30;
+inline constexpr int frames_per_gesture = 30;
 inline constexpr int no_hand = -1;
 inline constexpr std::array fingers_shown{no_hand, 5, 2, 1, 4, 0, 3};
 

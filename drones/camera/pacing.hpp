@@ -68,7 +68,7 @@ private:
     Clock::duration usual_;
     Clock::time_point start_, next_;
     std::chrono::microseconds last_ =
-        std::chrono::microseconds::max();  ///< the first one restarts, like one that goes back
+        std::chrono::microseconds::max();  ///< the first time restarts, like one that goes back
 };
 
 }  // namespace camera

@@ -59,9 +59,9 @@ Scene::Scene(const SceneSettings& settings)
     noise.convertTo(darker_, CV_8U, -1);
 }
 
-ScenePicture Scene::picture(std::int64_t index, cv::MatAllocator* memory) const
+SceneFrame Scene::frame(std::int64_t index, cv::MatAllocator* memory) const
 {
-    ScenePicture result;
+    SceneFrame result;
     result.image.allocator = memory;
     background_.copyTo(result.image);
     add_walkers(result, index);
@@ -74,20 +74,20 @@ ScenePicture Scene::picture(std::int64_t index, cv::MatAllocator* memory) const
     return result;
 }
 
-void Scene::add_walkers(ScenePicture& picture, std::int64_t index) const
+void Scene::add_walkers(SceneFrame& frame, std::int64_t index) const
 {
     for (const auto& [id, walker] : walkers_.at(index)) {
-        draw_walker(picture.image, walker);
+        draw_walker(frame.image, walker);
         if (const auto box = visible_box(walker, settings_.size))
-            picture.truth.push_back({"walker", id, *box});
+            frame.truth.push_back({"walker", id, *box});
     }
 }
 
-void Scene::add_faces(ScenePicture& picture, std::int64_t index) const
+void Scene::add_faces(SceneFrame& frame, std::int64_t index) const
 {
     for (int face = 0; face < settings_.faces; ++face) {
-        picture.truth.push_back({"face", face + 1, face_box(face, index)});
-        draw_face(picture.image, picture.truth.back().box);
+        frame.truth.push_back({"face", face + 1, face_box(face, index)});
+        draw_face(frame.image, frame.truth.back().box);
     }
 }
 

@@ -33,8 +33,8 @@ struct Truth {
     bool operator==(const Truth&) const = default;
 };
 
-/// One image of the scene and what is in it.
-struct ScenePicture {
+/// One frame of the scene, with its ground truth.
+struct SceneFrame {
     cv::Mat image;  ///< BGR
     std::vector<Truth>
         truth;  ///< faces are wholly inside; a walker is here while half of it is, with that part of its box
@@ -46,12 +46,12 @@ class Scene {
 public:
     explicit Scene(const SceneSettings& settings);
 
-    /// @param memory  where the pixels shall lie; null: OpenCV's own
-    [[nodiscard]] ScenePicture picture(std::int64_t index, cv::MatAllocator* memory = nullptr) const;
+    /// @param memory  allocator of the pixels; null: OpenCV's own
+    [[nodiscard]] SceneFrame frame(std::int64_t index, cv::MatAllocator* memory = nullptr) const;
 
 private:
-    void add_walkers(ScenePicture& picture, std::int64_t index) const;
-    void add_faces(ScenePicture& picture, std::int64_t index) const;
+    void add_walkers(SceneFrame& frame, std::int64_t index) const;
+    void add_faces(SceneFrame& frame, std::int64_t index) const;
     [[nodiscard]] cv::Rect2d face_box(int face, std::int64_t index) const;
     void add_noise(cv::Mat& image, std::int64_t index) const;
 

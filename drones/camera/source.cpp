@@ -26,18 +26,18 @@ std::vector<unsigned char> read_file(const fs::path& path)
 }
 
 /// As by cv::imread, except that grey images of 16 bits keep them.
-void decode(const std::vector<unsigned char>& bytes, cv::Mat& picture)
+void decode(const std::vector<unsigned char>& bytes, cv::Mat& image)
 {
     if (bytes.empty())
         return;
     if (const cv::Mat whole = cv::imdecode(bytes, cv::IMREAD_ANYDEPTH | cv::IMREAD_ANYCOLOR); whole.type() == CV_16UC1)
-        whole.copyTo(picture);
+        whole.copyTo(image);
     else
-        cv::imdecode(bytes, cv::IMREAD_COLOR, &picture);
+        cv::imdecode(bytes, cv::IMREAD_COLOR, &image);
 }
 
 /// Returns JPEG files unchanged, so that they can be forwarded; decodes everything else.
-Frame read_picture(const fs::path& path, cv::MatAllocator* memory)
+Frame read_image(const fs::path& path, cv::MatAllocator* memory)
 {
     Frame frame;
     frame.image.allocator = memory;
@@ -63,10 +63,10 @@ public:
         Frame frame;
         frame.captured = std::chrono::system_clock::now();
         frame.index = index_++;
-        ScenePicture picture = scene_.picture(frame.index, memory_);
-        frame.image = std::move(picture.image);
-        frame.truth = std::move(picture.truth);
-        frame.hands = std::move(picture.hands);
+        SceneFrame drawn = scene_.frame(frame.index, memory_);
+        frame.image = std::move(drawn.image);
+        frame.truth = std::move(drawn.truth);
+        frame.hands = std::move(drawn.hands);
         frame.knows_truth = true;
         return frame;
     }
@@ -77,14 +77,14 @@ private:
     std::int64_t index_ = 0;
 };
 
-/// Picture files one after the other; one file is a folder of one.
+/// Image files one after the other; one file is a folder of one.
 class FileSource : public Source {
 public:
-    FileSource(std::vector<fs::path> files, bool loop, cv::MatAllocator* memory, const std::string& left_out = "")
+    FileSource(std::vector<fs::path> files, bool loop, cv::MatAllocator* memory, const std::string& skipped = "")
         : files_(std::move(files)), loop_(loop), memory_(memory)
     {
-        if (!left_out.empty())
-            tell(left_out);
+        if (!skipped.empty())
+            tell(skipped);
     }
 
     std::optional<Frame> next() override
@@ -94,7 +94,7 @@ public:
         if (index_ == files_.size())
             return std::nullopt;
         const std::size_t index = index_++;  // a file that cannot be read is passed over at the next call
-        Frame frame = read_picture(files_[index], memory_);
+        Frame frame = read_image(files_[index], memory_);
         frame.index = static_cast<std::int64_t>(index);
         return frame;
     }
@@ -108,17 +108,17 @@ private:
     std::size_t index_ = 0;
 };
 
-/// "pictures: 3 files are no pictures that can be read, and left out: a.heic, notes.txt and 1 more"
-std::string sentence_about(const fs::path& folder, const std::vector<fs::path>& left_out)
+/// "images: skipped, because OpenCV cannot read them: a.heic, notes.txt and 1 more"
+std::string sentence_about(const fs::path& folder, const std::vector<fs::path>& skipped)
 {
-    constexpr std::size_t most_named = 5;
-    if (left_out.empty())
+    constexpr std::size_t max_named = 5;
+    if (skipped.empty())
         return "";
     std::string text = folder.string() + ": skipped, because OpenCV cannot read them: ";
-    for (std::size_t i = 0; i < std::min(left_out.size(), most_named); ++i)
-        text += (i > 0 ? ", " : "") + left_out[i].filename().string();
-    if (left_out.size() > most_named)
-        text += " and " + std::to_string(left_out.size() - most_named) + " more";
+    for (std::size_t i = 0; i < std::min(skipped.size(), max_named); ++i)
+        text += (i > 0 ? ", " : "") + skipped[i].filename().string();
+    if (skipped.size() > max_named)
+        text += " and " + std::to_string(skipped.size() - max_named) + " more";
     return text;
 }
 
@@ -126,15 +126,15 @@ bool hidden(const fs::path& path) { return path.filename().string().starts_with(
 
 std::unique_ptr<Source> open_folder(const fs::path& folder, bool loop, cv::MatAllocator* memory)
 {
-    std::vector<fs::path> files, left_out;
+    std::vector<fs::path> files, skipped;
     for (const auto& entry : fs::directory_iterator(folder))
         if (entry.is_regular_file() && !hidden(entry.path()))
-            (is_picture(entry.path()) ? files : left_out).push_back(entry.path());
+            (is_image(entry.path()) ? files : skipped).push_back(entry.path());
     std::ranges::sort(files);
-    std::ranges::sort(left_out);
-    const auto sentence = sentence_about(folder, left_out);
+    std::ranges::sort(skipped);
+    const auto sentence = sentence_about(folder, skipped);
     if (files.empty())
-        throw std::runtime_error("no pictures in " + fs::absolute(folder).string()
+        throw std::runtime_error("no images in " + fs::absolute(folder).string()
                                  + (sentence.empty() ? "" : "; " + sentence));
     return std::make_unique<FileSource>(std::move(files), loop, memory, sentence);
 }
@@ -177,7 +177,7 @@ std::unique_ptr<Source> open_source(const SourceSettings& settings, cv::MatAlloc
         return open_device(settings.text, {settings.format, size_or_default(settings.size), settings.fps}, memory);
     case SourceKind::url: return open_url(url_settings(settings), memory);
     }
-    throw std::logic_error("a kind of source that nobody opens");
+    throw std::logic_error("unhandled kind of source");
 }
 
 }  // namespace camera

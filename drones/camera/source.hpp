@@ -29,7 +29,7 @@ struct Frame {
     std::optional<std::chrono::microseconds> media_time;  ///< its own time in a video
     double fps = 0;                                       ///< of that video or device; 0: unknown
     std::string device;                                   ///< the mode that the device reports
-    bool begins_again = false;                            ///< the first frame of a repetition of a video
+    bool restarts = false;                                ///< the first frame of a repetition of a video
     std::chrono::system_clock::time_point captured{};
 };
 
@@ -84,7 +84,7 @@ public:
 SourceKind source_kind(const std::string& text);
 
 /// Is this file an image that OpenCV reads, by its name, or else by its first bytes?
-bool is_picture(const std::filesystem::path& file);
+bool is_image(const std::filesystem::path& file);
 
 /// Is it drawn? True for any text of a scene, even an unknown one.
 bool is_scene(const std::string& text);

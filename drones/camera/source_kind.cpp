@@ -34,7 +34,7 @@ void refuse_credentials(const std::string& url)
         throw std::runtime_error(
             "a URL must not contain a user name or password: anyone who can read the parameters would see it");
     if (authority.empty())
-        throw std::runtime_error("the URL names no host");
+        throw std::runtime_error("the URL has no host");
 }
 
 bool is_url(const std::string& text)
@@ -52,7 +52,7 @@ void check_scene(const std::string& text)
 {
     constexpr std::array<std::string_view, 4> known{"scene", "scene:brick", "scene:noise", "scene:plain"};
     if (std::ranges::find(known, text) == known.end())
-        throw std::runtime_error("there is scene:brick, scene:noise and scene:plain, but no " + text);
+        throw std::runtime_error("unknown source " + text + "; use scene:brick, scene:noise or scene:plain");
 }
 
 SourceKind file_kind(const std::string& text)
@@ -66,12 +66,12 @@ SourceKind file_kind(const std::string& text)
         return SourceKind::folder;
     if (!fs::is_regular_file(status))
         throw std::runtime_error(text + " is neither a file nor a folder");
-    return is_picture(path) ? SourceKind::image : SourceKind::video;
+    return is_image(path) ? SourceKind::image : SourceKind::video;
 }
 
 }  // namespace
 
-bool is_picture(const fs::path& file) { return ends_as_image(file) || cv::haveImageReader(file.string()); }
+bool is_image(const fs::path& file) { return ends_as_image(file) || cv::haveImageReader(file.string()); }
 
 bool is_scene(const std::string& text) { return text == "scene" || text.starts_with("scene:"); }
 

@@ -1,5 +1,5 @@
 // Network cameras, decoded with FFmpeg's libraries.
-#include "frame_pictures.hpp"
+#include "frame_converter.hpp"
 #include "url_input.hpp"
 
 #include <utility>
@@ -11,7 +11,7 @@ namespace {
 class UrlSource : public Source {
 public:
     UrlSource(const UrlSettings& settings, cv::MatAllocator* memory)
-        : max_pixels_(settings.limits.pixels), input_(settings), pictures_(memory)
+        : max_pixels_(settings.limits.pixels), input_(settings), converter_(memory)
     {
         if (!feed())
             throw std::runtime_error(input_.shown() + ": it contains no decodable video");
@@ -19,13 +19,13 @@ public:
 
     std::optional<Frame> next() override
     {
-        constexpr std::chrono::seconds for_a_picture{10};
-        input_.expect_until(UrlInput::Clock::now() + for_a_picture, "no image for 10 s");
+        constexpr std::chrono::seconds frame_timeout{10};
+        input_.expect_until(UrlInput::Clock::now() + frame_timeout, "no image for 10 s");
         while (avcodec_receive_frame(decoder_.get(), frame_.get()) < 0)
             if (!feed())
                 return std::nullopt;
         Frame result;
-        result.image = pictures_.picture(*frame_);
+        result.image = converter_.image(*frame_);
         result.captured = std::chrono::system_clock::now();
         result.fps = fps();
         result.index = index_++;
@@ -72,7 +72,7 @@ private:
     ffmpeg::CodecContext decoder_;
     ffmpeg::FramePtr frame_{av_frame_alloc()};
     ffmpeg::PacketPtr packet_{av_packet_alloc()};
-    FramePictures pictures_;
+    FrameConverter converter_;
     std::int64_t index_ = 0;
 };
 

@@ -162,7 +162,7 @@ std::optional<std::chrono::microseconds> VideoInput::time() const
 }
 
 /// MP4, MOV and AVI have an index with an entry for each packet. An AVI whose index is lost, and an MP4 that ends
-/// inside it, still tell their number of packets in the header; in a GIF, FFmpeg has counted them. 0: no table.
+/// inside it, still have their number of packets in the header; for a GIF, FFmpeg counts them. 0: no table.
 std::int64_t VideoInput::packets_in_table() const
 {
     const std::string_view format = input_->iformat->name;

@@ -1,7 +1,7 @@
 // Video files, once or in a loop.
 #include "video_source.hpp"
 
-#include "frame_pictures.hpp"
+#include "frame_converter.hpp"
 #include "video_input.hpp"
 
 #include <algorithm>
@@ -15,7 +15,7 @@ namespace {
 class VideoSource : public Source {
 public:
     VideoSource(std::string path, bool loop, cv::MatAllocator* memory)
-        : path_(std::move(path)), loop_(loop), input_(std::make_unique<VideoInput>(path_)), pictures_(memory)
+        : path_(std::move(path)), loop_(loop), input_(std::make_unique<VideoInput>(path_)), converter_(memory)
     {
     }
 
@@ -25,13 +25,13 @@ public:
         Frame frame;
         if (!decoded && loop_ && index_ > 0) {
             begin_again();
-            frame.begins_again = true;
+            frame.restarts = true;
             decoded = input_->next();
         }
         ended_ = !decoded;
         if (!decoded)
             return std::nullopt;
-        frame.image = pictures_.picture(*decoded, input_->quarter_turns());
+        frame.image = converter_.image(*decoded, input_->quarter_turns());
         frame.captured = std::chrono::system_clock::now();
         frame.file = path_;
         frame.fps = input_->fps();
@@ -48,7 +48,7 @@ private:
     /// Reopens the file, because not every format is seekable. If the file is gone, this round stays at its end.
     void begin_again()
     {
-        if (const auto problem = cut_short(); !problem.empty() && !std::exchange(told_, true))
+        if (const auto problem = cut_short(); !problem.empty() && !std::exchange(reported_, true))
             tell(problem);
         input_ = std::make_unique<VideoInput>(path_);
         index_ = 0;
@@ -60,19 +60,19 @@ private:
         const double fps = input_->fps();
         const std::chrono::microseconds counted(fps > 0 ? std::llround(static_cast<double>(index_) / fps * 1e6)
                                                         : std::int64_t{0});
-        const auto told = input_->time();
-        const bool goes_on = told && (index_ == 0 ? told->count() >= 0 : *told > last_);
-        last_ = goes_on ? *told : index_ == 0 ? counted : std::max(counted, last_);
+        const auto presented = input_->time();
+        const bool continues = presented && (index_ == 0 ? presented->count() >= 0 : *presented > last_);
+        last_ = continues ? *presented : index_ == 0 ? counted : std::max(counted, last_);
         return last_;
     }
 
     std::string path_;
     bool loop_;
     std::unique_ptr<VideoInput> input_;
-    FramePictures pictures_;
+    FrameConverter converter_;
     std::int64_t index_ = 0;
     std::chrono::microseconds last_{0};
-    bool told_ = false, ended_ = false;
+    bool reported_ = false, ended_ = false;
 };
 
 }  // namespace

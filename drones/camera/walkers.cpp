@@ -21,9 +21,9 @@ constexpr std::array<Lane, Walkers::most> lanes{
 
 /// A person comes and goes this far outside, in parts of the image's height.
 constexpr double outside = 0.12;
-/// Images between one person's going and the next one's coming.
+/// Frames between the exit of one person and the entry of the next.
 constexpr std::int64_t pause = 15;
-/// The way of a whole step (two feet), in heights of the walker: four times the largest step of a foot.
+/// The length of a whole step (two feet), in heights of the walker: four times the largest step of a foot.
 constexpr double stride = 0.4;
 
 }  // namespace

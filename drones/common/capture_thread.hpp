@@ -47,20 +47,20 @@ private:
 };
 
 /// Work that produces images.
-template <class Picture>
-class PictureWork : public Work {
+template <class Frame>
+class FrameWork : public Work {
 public:
     using Work::Work;
 
     /// The newest image not taken yet.
-    std::optional<Picture> take()
+    std::optional<Frame> take()
     {
         const std::lock_guard lock(mutex_);
         return std::exchange(newest_, std::nullopt);
     }
 
 protected:
-    std::optional<Picture> newest_;
+    std::optional<Frame> newest_;
 };
 
 /// For one thread (the drone's), on which it is made and destroyed.

@@ -13,7 +13,7 @@ void check_certificate(const std::string& path)
         return;
     std::error_code none;
     if (!std::filesystem::is_regular_file(path, none))
-        throw std::runtime_error("certificate: there is no file " + path);
+        throw std::runtime_error("certificate: no such file: " + path);
     std::ifstream file(path, std::ios::binary);
     if (!file)
         throw std::runtime_error("certificate: cannot read " + path);

@@ -10,7 +10,7 @@ namespace {
 
 constexpr int greys = 4, hues = 6, half = greys + hues;
 static_assert(numbers == 2 * half);
-constexpr double most_pixels = 4000;
+constexpr double max_pixels = 4000;
 
 using Histogram = std::array<double, half>;
 
@@ -50,23 +50,23 @@ bool inside(const cv::Rect& box, int x, int y)
     return across * across + down * down <= 1;
 }
 
-cv::Vec3b colour_at(const cv::Mat& picture, int x, int y)
+cv::Vec3b colour_at(const cv::Mat& image, int x, int y)
 {
-    return picture.channels() == 3 ? picture.at<cv::Vec3b>(y, x) : cv::Vec3b::all(picture.at<unsigned char>(y, x));
+    return image.channels() == 3 ? image.at<cv::Vec3b>(y, x) : cv::Vec3b::all(image.at<unsigned char>(y, x));
 }
 
 }  // namespace
 
-std::vector<int> of(const cv::Mat& picture, const cv::Rect& box, const cv::Mat& mask)
+std::vector<int> of(const cv::Mat& image, const cv::Rect& box, const cv::Mat& mask)
 {
-    const cv::Rect seen = box & cv::Rect({}, picture.size());
-    const int step = std::max(1, static_cast<int>(std::sqrt(seen.area() / most_pixels)));
+    const cv::Rect seen = box & cv::Rect({}, image.size());
+    const int step = std::max(1, static_cast<int>(std::sqrt(seen.area() / max_pixels)));
     std::array<Histogram, 2> halves{};
     double pixels = 0;
     for (int y = seen.y; y < seen.br().y; y += step)
         for (int x = seen.x; x < seen.br().x; x += step)
             if (mask.empty() ? inside(box, x, y) : mask.at<unsigned char>(y, x) == 255) {
-                count(halves[y < box.y + box.height / 2 ? 0 : 1], colour_at(picture, x, y));
+                count(halves[y < box.y + box.height / 2 ? 0 : 1], colour_at(image, x, y));
                 ++pixels;
             }
     if (pixels == 0)

@@ -1,4 +1,4 @@
-// The frame of a drone that finds things in images: it publishes what it finds, and the image with that drawn in.
+// The frame of a drone that finds things in images: it publishes the results, and the image with the results drawn in.
 #pragma once
 
 #include "media_fields.hpp"
@@ -15,7 +15,7 @@
 
 namespace finder_drone {
 
-/// Names and help of the ports, beside the output `annotated`.
+/// Names and help of the ports other than the output `annotated`.
 struct Ports {
     const char *input, *input_help, *output, *output_help, *annotated_help;
 };
@@ -40,12 +40,12 @@ void run(hive::Drone& drone, Finder&& finder, const Ports& ports)
     drone.on_event(
         ports.input, hive::vision::image_types,
         [&](const hive::Event& event) {
-            const cv::Mat picture = hive::vision::view(event);
-            const auto found = finder.find(picture);
-            hive::Json header = finder.header(found, picture);
+            const cv::Mat image = hive::vision::view(event);
+            const auto found = finder.find(image);
+            hive::Json header = finder.header(found, image);
             media_fields::pass_on(event.header, header);
             output.emit(header);
-            hive::vision::emit_annotated(annotated, loans, std::move(header), picture,
+            hive::vision::emit_annotated(annotated, loans, std::move(header), image,
                                          [&](cv::Mat& canvas) { finder.draw(canvas, found); });
         },
         ports.input_help);

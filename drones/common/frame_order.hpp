@@ -16,13 +16,13 @@ public:
     /// @throws hive::Error  refused: it comes after a later image of its source. If the same drone sent both, it does
     ///                      not count; otherwise the next image may go on from it: no drone may number for another.
     ///                      Refused as well: its source was left for another one, which still sends; it does not count
-    bool goes_on(const hive::Event& event)
+    bool continues(const hive::Event& event)
     {
         if (left_ && left_->is_of(event) && event.received - last_->received < still_sends)
             throw hive::Error(hive::Errc::refused,
-                              "pictures of " + left_->source + " and " + last_->source
-                                  + " come in turns, and tracks are those of one source",
-                              "start a drone for each source, and connect to it what comes of that source alone");
+                              "frames of " + left_->source + " and " + last_->source
+                                  + " alternate, but tracks need a single source",
+                              "start one drone per source, and connect only that source to it");
         const bool same = last_ && last_->is_of(event);
         const bool late = same && event.identity.sequence <= last_->sequence;
         const auto before = last_;
@@ -60,9 +60,9 @@ inline double time_of(const hive::Event& event, double fps)
 {
     if (fps > 0)
         return static_cast<double>(event.identity.sequence) / fps;
-    const auto told = event.header.find("media_time_us");
-    const bool of_a_file = told != event.header.end() && told->is_number();
-    return (of_a_file ? told->get<double>() : static_cast<double>(event.identity.monotonic_us)) / 1e6;
+    const auto found = event.header.find("media_time_us");
+    const bool of_a_file = found != event.header.end() && found->is_number();
+    return (of_a_file ? found->get<double>() : static_cast<double>(event.identity.monotonic_us)) / 1e6;
 }
 
 }  // namespace frame_order

@@ -22,10 +22,10 @@ struct CredentialVariables {
 /// @param path  a file whose first line is user:password, and whose second line may be a URL; empty: the environment
 /// variables
 /// @return  nothing if both are missing
-/// @throws std::runtime_error  when the file cannot be read, is no such file, or others could read it too; when one
+/// @throws std::runtime_error  if the file is unreadable, invalid, or readable by others; when one
 /// variable is missing
 std::optional<Credentials> read_credentials(const std::string& path, const CredentialVariables& variables);
-/// When the file was written; a constant time if there is none.
+/// When the file was written; a constant time without a file.
 std::filesystem::file_time_type written_at(const std::string& path);
 
 }  // namespace capture

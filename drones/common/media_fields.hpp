@@ -9,8 +9,8 @@ namespace media_fields {
 inline void pass_on(const hive::Json& from, hive::Json& to)
 {
     for (const char* field : {"file", "fps", "media_time_us"})
-        if (const auto told = from.find(field); told != from.end())
-            to[field] = *told;
+        if (const auto found = from.find(field); found != from.end())
+            to[field] = *found;
 }
 
 }  // namespace media_fields

@@ -29,7 +29,7 @@ std::unique_ptr<Engine> opencv_engine(const std::string& model);
 
 /// ONNX Runtime, if installed: it runs all operators of ONNX.
 /// @param library  path of libonnxruntime.so; empty: where the dynamic linker finds it
-/// @throws EngineError  also if there is no such library
+/// @throws EngineError  also if the library is missing
 std::unique_ptr<Engine> onnxruntime_engine(const std::string& model, const std::string& library);
 
 }  // namespace detect

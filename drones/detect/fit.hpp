@@ -13,16 +13,16 @@ public:
         crop        ///< the middle, its shape kept
     };
 
-    /// @param picture, input  sizes in px, not empty
-    Fit(cv::Size picture, cv::Size input, Kind kind);
+    /// @param image, input  sizes in px, not empty
+    Fit(cv::Size image, cv::Size input, Kind kind);
 
-    /// @param picture  8 bit, BGR or grey; not changed
-    [[nodiscard]] cv::Mat input_from(const cv::Mat& picture) const;
-    [[nodiscard]] cv::Point2d in_picture(const cv::Point2d& in_input) const;
-    [[nodiscard]] cv::Rect2d in_picture(const cv::Rect2d& in_input) const;
+    /// @param image  8 bit, BGR or grey; not changed
+    [[nodiscard]] cv::Mat input_from(const cv::Mat& image) const;
+    [[nodiscard]] cv::Point2d in_image(const cv::Point2d& in_input) const;
+    [[nodiscard]] cv::Rect2d in_image(const cv::Rect2d& in_input) const;
 
 private:
-    cv::Size picture_, input_;
+    cv::Size image_, input_;
     cv::Point2d scale_, offset_;  ///< from px of the image to px of the input
 };
 

@@ -159,13 +159,13 @@ Extra extra_of(const std::string& task)
 class Search {
 public:
     Search(const Layout& layout, const std::vector<Shape>& shapes, const Knowledge& known, bool told)
-        : layout_(layout), shapes_(shapes), known_(known), told_(told), named_(static_cast<int>(known.classes))
+        : layout_(layout), shapes_(shapes), known_(known), fixed_(told), named_(static_cast<int>(known.classes))
     {
     }
 
     std::optional<Place> place() const
     {
-        if (!told_ && !suits_the_task())
+        if (!fixed_ && !suits_the_task())
             return std::nullopt;
         for (std::size_t i = 0; i < shapes_.size(); ++i)
             if (const auto found = layout_.table == Table::apart   ? in_two(i)
@@ -224,7 +224,7 @@ private:
         const bool may_be_classes = down == 1 && named_ == across;  // of one image
         const bool likely =
             !may_be_classes && (!may_be_yolov5 || (down <= max_listed && (named_ > 1 || !is_grid(down, known_.input))));
-        return across == numbers && (told_ || likely) ? std::optional(place) : std::nullopt;
+        return across == numbers && (fixed_ || likely) ? std::optional(place) : std::nullopt;
     }
 
     /// Without names, the shorter side of the table is one object.
@@ -232,7 +232,7 @@ private:
     {
         place.classes = across - layout_.scores_at;
         const bool likely = !layout_.shares && (layout_.table == Table::columns ? whole < down : whole <= down);
-        const bool fits = named_ > 0 ? place.classes == named_ : place.classes > 0 && (told_ || likely);
+        const bool fits = named_ > 0 ? place.classes == named_ : place.classes > 0 && (fixed_ || likely);
         return fits ? std::optional(place) : std::nullopt;
     }
 
@@ -297,13 +297,13 @@ private:
     bool fits_classes(int across) const
     {
         const int more = layout_.background == Background::last ? 1 : 0;
-        return named_ > 0 ? across == named_ + more : across > more && (told_ || layout_.scores == Scores::plain);
+        return named_ > 0 ? across == named_ + more : across > more && (fixed_ || layout_.scores == Scores::plain);
     }
 
     const Layout& layout_;
     const std::vector<Shape>& shapes_;
     const Knowledge& known_;
-    bool told_;
+    bool fixed_;
     int named_;
 };
 

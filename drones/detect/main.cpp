@@ -22,7 +22,7 @@ hive::Json points_json(const std::vector<cv::Point>& points)
     return list;
 }
 
-hive::Json to_json(const Object& object, const cv::Mat& picture)
+hive::Json to_json(const Object& object, const cv::Mat& image)
 {
     hive::Json json{{"x", object.box.x},
                     {"y", object.box.y},
@@ -30,7 +30,7 @@ hive::Json to_json(const Object& object, const cv::Mat& picture)
                     {"h", object.box.height},
                     {"class", object.name},
                     {"score", std::round(object.score * 1000) / 1000},
-                    {"colours", colours::of(picture, object.box)}};
+                    {"colours", colours::of(image, object.box)}};
     if (!object.corners.empty())
         json["corners"] = points_json(object.corners);
     if (!object.mask.empty())
@@ -41,17 +41,17 @@ hive::Json to_json(const Object& object, const cv::Mat& picture)
 }
 
 /// The best objects, as many as an event's header holds.
-hive::Json to_header(const std::vector<Object>& objects, const cv::Mat& picture)
+hive::Json to_header(const std::vector<Object>& objects, const cv::Mat& image)
 {
     hive::Json list = hive::Json::array();
     std::size_t bytes = 0;
     for (const Object& object : objects) {
-        hive::Json json = to_json(object, picture);
+        hive::Json json = to_json(object, image);
         if ((bytes += json.dump().size() + 1) > max_header)
             break;
         list.push_back(std::move(json));
     }
-    return {{"objects", std::move(list)}, {"width", picture.cols}, {"height", picture.rows}};
+    return {{"objects", std::move(list)}, {"width", image.cols}, {"height", image.rows}};
 }
 
 hive::Constraint one_of_the_layouts()
@@ -88,19 +88,16 @@ public:
         loaded_ = wanted;
     }
 
-    std::vector<Object> find(const cv::Mat& picture)
+    std::vector<Object> find(const cv::Mat& image)
     {
         if (!network_)
-            return people_.find(picture);
+            return people_.find(image);
         network_->min_score = min_score_;
         network_->overlap = overlap_;
-        return network_->find(picture);
+        return network_->find(image);
     }
 
-    static hive::Json header(const std::vector<Object>& found, const cv::Mat& picture)
-    {
-        return to_header(found, picture);
-    }
+    static hive::Json header(const std::vector<Object>& found, const cv::Mat& image) { return to_header(found, image); }
     static void draw(cv::Mat& canvas, const std::vector<Object>& found) { detect::draw(canvas, found); }
 
 private:

@@ -18,7 +18,7 @@ namespace detect {
 namespace {
 
 constexpr std::size_t longest_name = 64;
-constexpr int usual_side = 640;  ///< px; of YOLO
+constexpr int default_side = 640;  ///< px; of YOLO
 constexpr double degrees = 180 / CV_PI;
 
 void require_file(const std::string& path, const std::string& what)
@@ -85,7 +85,9 @@ Network::Network(const NetworkSettings& settings) : settings_(settings), names_(
 void Network::read_card()
 {
     const ModelCard card = model_card(settings_.model);
-    const auto side = [](int told, int in_file) { return told > 0 ? told : in_file > 0 ? in_file : usual_side; };
+    const auto side = [](int wanted, int in_file) {
+        return wanted > 0 ? wanted : in_file > 0 ? in_file : default_side;
+    };
     settings_.input = {side(settings_.input.width, card.input.width), side(settings_.input.height, card.input.height)};
     const auto short_enough = [](const std::string& name) { return name.size() <= longest_name; };
     if (names_.empty() && std::ranges::all_of(card.names, short_enough))
@@ -195,8 +197,8 @@ std::vector<Candidate> Network::kept(std::vector<Candidate> found) const
 
 Object Network::object_from(const Candidate& candidate, const std::vector<cv::Mat>& outputs, const Fit& fit) const
 {
-    Object object{cv::Rect(fit.in_picture(candidate.box)), name(candidate.class_index), candidate.score};
-    const auto place = [&](double x, double y) { return cv::Point(fit.in_picture(cv::Point2d(x, y))); };
+    Object object{cv::Rect(fit.in_image(candidate.box)), name(candidate.class_index), candidate.score};
+    const auto place = [&](double x, double y) { return cv::Point(fit.in_image(cv::Point2d(x, y))); };
     const auto& extra = candidate.extra;
     switch (place_.layout->extra) {
     case Layout::Extra::none: break;
@@ -219,19 +221,19 @@ Object Network::object_from(const Candidate& candidate, const std::vector<cv::Ma
     return object;
 }
 
-std::vector<Object> Network::find(const cv::Mat& picture)
+std::vector<Object> Network::find(const cv::Mat& image)
 {
-    const Fit fit(picture.size(), settings_.input, kind_of_fit());
-    const auto outputs = run(fit.input_from(picture));
+    const Fit fit(image.size(), settings_.input, kind_of_fit());
+    const auto outputs = run(fit.input_from(image));
     std::vector<Object> objects;
     for (const Candidate& candidate : kept(candidates(outputs, place_, settings_.input, min_score))) {
         Object object = object_from(candidate, outputs, fit);
-        object.box &= cv::Rect({}, picture.size());
+        object.box &= cv::Rect({}, image.size());
         if (!object.box.empty())
             objects.push_back(std::move(object));
     }
     sort(objects);
-    objects.resize(std::min(objects.size(), most_objects));
+    objects.resize(std::min(objects.size(), max_objects));
     return objects;
 }
 

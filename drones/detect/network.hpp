@@ -14,15 +14,15 @@ namespace detect {
 
 /// The settings of a model, from the model's page.
 struct NetworkSettings {
-    std::string model;    ///< path of the .onnx file
-    std::string classes;  ///< path of a text file, one name a line in the order of the model; empty: those that the
-                          ///< model's file tells, or else numbers
-    cv::Size input;       ///< px; a side of 0: from the file, or else 640
-    std::string layout;   ///< the name of one; empty: by the outputs
-    std::string fit = "auto";     ///< a name of a Fit::Kind; "auto": crop for a classifier, else letterbox
-    double scale = 1.0 / 255;     ///< the input is (pixel - mean) * scale
-    cv::Scalar mean;              ///< for each channel, in the order of the model
-    bool swap = true;             ///< the model's input is RGB; images are BGR
+    std::string model;         ///< path of the .onnx file
+    std::string classes;       ///< path of a text file, one name a line in the order of the model; empty: those in the
+                               ///< model's file, or else numbers
+    cv::Size input;            ///< px; a side of 0: from the file, or else 640
+    std::string layout;        ///< the name of one; empty: by the outputs
+    std::string fit = "auto";  ///< a name of a Fit::Kind; "auto": crop for a classifier, else letterbox
+    double scale = 1.0 / 255;  ///< the input is (pixel - mean) * scale
+    cv::Scalar mean;           ///< for each channel, in the order of the model
+    bool swap = true;          ///< the model's input is RGB; images are BGR
     std::string engine = "auto";  ///< "opencv", "onnxruntime", or "auto": OpenCV, else ONNX Runtime if it is there
     std::string onnxruntime;      ///< path of its library; empty: where the dynamic linker finds it
 
@@ -39,9 +39,9 @@ public:
     /// @throws std::runtime_error  with the reason as a sentence
     explicit Network(const NetworkSettings& settings);
 
-    /// @param picture  8 bit, BGR or grey; not changed
+    /// @param image  8 bit, BGR or grey; not changed
     /// @throws std::runtime_error  for a score above 1
-    [[nodiscard]] std::vector<Object> find(const cv::Mat& picture);
+    [[nodiscard]] std::vector<Object> find(const cv::Mat& image);
     [[nodiscard]] std::string_view layout() const { return place_.layout->name; }
     [[nodiscard]] cv::Size input() const { return settings_.input; }
     [[nodiscard]] std::size_t classes() const { return names_.size(); }  ///< that have a name

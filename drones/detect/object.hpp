@@ -22,11 +22,11 @@ struct Object {
     std::vector<Keypoint> keypoints = {};  ///< in the order of the network
 };
 
-constexpr std::size_t most_objects = 300;  ///< of one image; the best
+constexpr std::size_t max_objects = 300;  ///< of one image; the best
 
 /// The best first; of equal ones from top to bottom, then from left to right.
 void sort(std::vector<Object>& objects);
 /// Frames and names the objects in a BGR image.
-void draw(cv::Mat& picture, const std::vector<Object>& objects);
+void draw(cv::Mat& image, const std::vector<Object>& objects);
 
 }  // namespace detect

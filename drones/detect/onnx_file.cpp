@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::uint64_t longest_text = 1 << 20;
 constexpr int largest_side = 4096;
-constexpr std::size_t most_names = 10'000, max_task = 32, max_operator = 64, max_operators = 200;
+constexpr std::size_t max_names = 10'000, max_task = 32, max_operator = 64, max_operators = 200;
 constexpr int max_keypoints = 1000;
 
 /// Iterates over the fields of one message. Any error ends the iteration.
@@ -167,7 +167,7 @@ std::vector<std::string> names_from(const std::string& text)
         std::string number;
         while (at < text.size() && std::isdigit(static_cast<unsigned char>(text[at])))
             number += text[at++];
-        if (number != std::to_string(names.size()) || names.size() == most_names || !take(':'))
+        if (number != std::to_string(names.size()) || names.size() == max_names || !take(':'))
             return {};
         blanks();
         const char quote = at < text.size() ? text[at++] : 0;

@@ -20,11 +20,11 @@ cv::Rect without_margin(const cv::Rect& box)
 
 PeopleFinder::PeopleFinder() { descriptor_.setSVMDetector(cv::HOGDescriptor::getDefaultPeopleDetector()); }
 
-std::vector<Object> PeopleFinder::find(const cv::Mat& picture) const
+std::vector<Object> PeopleFinder::find(const cv::Mat& image) const
 {
-    cv::Mat looked_at = picture;
+    cv::Mat looked_at = image;
     if (enlarge > 1)
-        cv::resize(picture, looked_at, {}, enlarge, enlarge, cv::INTER_LINEAR);
+        cv::resize(image, looked_at, {}, enlarge, enlarge, cv::INTER_LINEAR);
     const cv::Size padded = looked_at.size() + cv::Size(2 * padding, 2 * padding), window = descriptor_.winSize;
     if (padded.width < window.width || padded.height < window.height)
         return {};
@@ -34,14 +34,14 @@ std::vector<Object> PeopleFinder::find(const cv::Mat& picture) const
                                  grouping);
     std::vector<Object> people;
     for (std::size_t i = 0; i < boxes.size(); ++i)
-        if (const cv::Rect box = in_picture(boxes[i]) & cv::Rect({}, picture.size()); !box.empty())
+        if (const cv::Rect box = in_image(boxes[i]) & cv::Rect({}, image.size()); !box.empty())
             people.push_back({box, "person", weights[i]});
     sort(people);
-    people.resize(std::min(people.size(), most_objects));
+    people.resize(std::min(people.size(), max_objects));
     return people;
 }
 
-cv::Rect PeopleFinder::in_picture(const cv::Rect& window) const
+cv::Rect PeopleFinder::in_image(const cv::Rect& window) const
 {
     const cv::Rect box = shrink ? without_margin(window) : window;
     const auto back = [&](int length) { return static_cast<int>(std::lround(length / std::max(1.0, enlarge))); };

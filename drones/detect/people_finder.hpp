@@ -20,12 +20,12 @@ public:
     bool shrink = true;        ///< the classifier's windows have a margin around the person; take it off the boxes
 
     PeopleFinder();
-    /// @param picture  8 bit, BGR or grey; not changed
-    [[nodiscard]] std::vector<Object> find(const cv::Mat& picture) const;
+    /// @param image  8 bit, BGR or grey; not changed
+    [[nodiscard]] std::vector<Object> find(const cv::Mat& image) const;
 
 private:
     /// Maps a window in the enlarged image to a box in the image.
-    [[nodiscard]] cv::Rect in_picture(const cv::Rect& window) const;
+    [[nodiscard]] cv::Rect in_image(const cv::Rect& window) const;
 
     cv::HOGDescriptor descriptor_;
 };

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The edges drone: pictures in, their edges out, and a model of a drone in Python."""
+"""The edges drone: images in, their edges out, and a model of a drone in Python."""
 import cv2
 import hive
 

@@ -12,11 +12,11 @@ namespace face {
 
 void FaceFinder::load(const std::string& cascade_path) { cascade_ = cascade::load(cascade_path); }
 
-std::vector<cv::Rect> FaceFinder::find(const cv::Mat& picture)
+std::vector<cv::Rect> FaceFinder::find(const cv::Mat& image)
 {
-    cv::Mat grey = picture;
-    if (picture.channels() == 3)
-        cv::cvtColor(picture, grey, cv::COLOR_BGR2GRAY);
+    cv::Mat grey = image;
+    if (image.channels() == 3)
+        cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
     if (equalise) {
         cv::Mat spread;
         cv::equalizeHist(grey, spread);
@@ -29,10 +29,10 @@ std::vector<cv::Rect> FaceFinder::find(const cv::Mat& picture)
     return faces;
 }
 
-void FaceFinder::draw(cv::Mat& picture, const std::vector<cv::Rect>& faces)
+void FaceFinder::draw(cv::Mat& image, const std::vector<cv::Rect>& faces)
 {
     for (const cv::Rect& box : faces)
-        cv::rectangle(picture, box, cv::Scalar(60, 220, 60), 2, cv::LINE_AA);
+        cv::rectangle(image, box, cv::Scalar(60, 220, 60), 2, cv::LINE_AA);
 }
 
 }  // namespace face

@@ -22,11 +22,11 @@ public:
 
     /// Throws std::runtime_error naming the missing file.
     void load(const std::string& cascade_path);
-    /// @param picture  8 bit, BGR or grey; not changed
+    /// @param image  8 bit, BGR or grey; not changed
     /// @return  boxes in px, from top to bottom, then from left to right
-    [[nodiscard]] std::vector<cv::Rect> find(const cv::Mat& picture);
-    /// Frames the faces in `picture`.
-    static void draw(cv::Mat& picture, const std::vector<cv::Rect>& faces);
+    [[nodiscard]] std::vector<cv::Rect> find(const cv::Mat& image);
+    /// Frames the faces in `image`.
+    static void draw(cv::Mat& image, const std::vector<cv::Rect>& faces);
 
 private:
     cv::CascadeClassifier cascade_;

@@ -60,25 +60,25 @@ public:
         loaded_yunet_ = yunet_;
     }
 
-    std::vector<Face> find(const cv::Mat& picture)
+    std::vector<Face> find(const cv::Mat& image)
     {
         if (network_) {
             network_->min_score = min_score_;
             network_->overlap = overlap_;
-            return network_->find(picture);
+            return network_->find(image);
         }
         std::vector<Face> faces;
-        for (const cv::Rect& box : cascades_.find(picture))
+        for (const cv::Rect& box : cascades_.find(image))
             faces.push_back({.box = box});
         return faces;
     }
 
-    [[nodiscard]] hive::Json header(const std::vector<Face>& found, const cv::Mat& picture) const
+    [[nodiscard]] hive::Json header(const std::vector<Face>& found, const cv::Mat& image) const
     {
         hive::Json list = hive::Json::array();
         for (const Face& one : found)
             list.push_back(to_json(one, network_.has_value()));
-        return {{"faces", std::move(list)}, {"width", picture.cols}, {"height", picture.rows}};
+        return {{"faces", std::move(list)}, {"width", image.cols}, {"height", image.rows}};
     }
 
     static void draw(cv::Mat& canvas, const std::vector<Face>& found)

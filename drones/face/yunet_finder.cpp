@@ -30,12 +30,12 @@ std::size_t places_in(cv::Size size)
     return places;
 }
 
-cv::Mat colour(const cv::Mat& picture)
+cv::Mat colour(const cv::Mat& image)
 {
-    if (picture.channels() == 3)
-        return picture;
+    if (image.channels() == 3)
+        return image;
     cv::Mat result;
-    cv::cvtColor(picture, result, cv::COLOR_GRAY2BGR);
+    cv::cvtColor(image, result, cv::COLOR_GRAY2BGR);
     return result;
 }
 
@@ -77,20 +77,20 @@ void YunetFinder::prepare(cv::Size size)
     size_ = size;
 }
 
-std::vector<Face> YunetFinder::find(const cv::Mat& picture)
+std::vector<Face> YunetFinder::find(const cv::Mat& image)
 {
-    prepare(picture.size());
+    prepare(image.size());
     detector_->setScoreThreshold(static_cast<float>(min_score));
     detector_->setNMSThreshold(static_cast<float>(overlap));
     detector_->setTopK(boxes_before_suppression);
     cv::Mat table;
-    detector_->detect(colour(picture), table);
+    detector_->detect(colour(image), table);
     std::vector<Face> faces;
     for (int row = 0; row < table.rows; ++row) {
         const float* numbers = table.ptr<float>(row);
         if (!std::all_of(numbers, numbers + 15, [](float number) { return std::abs(number) < 1e6F; }))
             continue;
-        Face face{cv::Rect(cv::Rect2f(numbers[0], numbers[1], numbers[2], numbers[3])) & cv::Rect({}, picture.size()),
+        Face face{cv::Rect(cv::Rect2f(numbers[0], numbers[1], numbers[2], numbers[3])) & cv::Rect({}, image.size()),
                   numbers[14]};
         for (std::size_t i = 0; i < face.points.size(); ++i)
             face.points[i] = {numbers[4 + 2 * i], numbers[5 + 2 * i]};
@@ -98,7 +98,7 @@ std::vector<Face> YunetFinder::find(const cv::Mat& picture)
             faces.push_back(face);
     }
     std::ranges::stable_sort(faces, std::ranges::greater{}, &Face::score);
-    faces.resize(std::min(faces.size(), most_faces));
+    faces.resize(std::min(faces.size(), max_faces));
     std::ranges::stable_sort(faces, {}, [](const Face& face) {
         return std::tuple(face.box.y, face.box.x, face.box.height, face.box.width);
     });

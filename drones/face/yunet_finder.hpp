@@ -20,15 +20,15 @@ struct Face {
 class YunetFinder {
 public:
     double min_score = 0.8, overlap = 0.3;
-    static constexpr std::size_t most_faces = 200;  ///< of one image; the best
+    static constexpr std::size_t max_faces = 200;  ///< of one image; the best
 
     /// Reads the file. @throws std::runtime_error  a sentence about what is wrong
     explicit YunetFinder(const std::string& path);
 
-    /// @param picture  8 bit, BGR or grey; not changed
+    /// @param image  8 bit, BGR or grey; not changed
     /// @return  from top to bottom, then from left to right
     /// @throws std::runtime_error  the outputs for an image of this size are not those of a YuNet
-    [[nodiscard]] std::vector<Face> find(const cv::Mat& picture);
+    [[nodiscard]] std::vector<Face> find(const cv::Mat& image);
 
 private:
     void prepare(cv::Size size);

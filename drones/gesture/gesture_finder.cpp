@@ -40,15 +40,15 @@ double length(const cv::Point2d& vector) { return std::hypot(vector.x, vector.y)
 /// Reads one silhouette as a hand.
 class Reading {
 public:
-    Reading(Contour contour, cv::Size picture) : contour_(std::move(contour)), picture_(picture)
+    Reading(Contour contour, cv::Size image) : contour_(std::move(contour)), image_(image)
     {
         hand_.box = cv::boundingRect(contour_);
         find_palm();
     }
 
     /// With the palm near a place that is known, not further away than half the radius that it has there.
-    Reading(Contour contour, cv::Size picture, cv::Point place, double radius)
-        : contour_(std::move(contour)), picture_(picture)
+    Reading(Contour contour, cv::Size image, cv::Point place, double radius)
+        : contour_(std::move(contour)), image_(image)
     {
         hand_.box = cv::boundingRect(contour_);
         const cv::Mat depth = depths();
@@ -89,7 +89,7 @@ private:
 
     [[nodiscard]] bool at_border(const cv::Point& point) const
     {
-        return point.x == 0 || point.y == 0 || point.x == picture_.width - 1 || point.y == picture_.height - 1;
+        return point.x == 0 || point.y == 0 || point.x == image_.width - 1 || point.y == image_.height - 1;
     }
 
     [[nodiscard]] double distance(const cv::Point& point) const { return length(point - hand_.palm) / hand_.radius; }
@@ -143,7 +143,7 @@ private:
                                          [&](const cv::Point& point) { return length(cv::Point2d(point) - from); });
     }
 
-    /// For each point of the outline: does it part two pieces?
+    /// For each point of the outline: is it a cut between two pieces?
     [[nodiscard]] std::vector<bool> cuts() const
     {
         std::vector<bool> cut(contour_.size());
@@ -151,7 +151,7 @@ private:
             cut[i] = distance(contour_[i]) <= near_palm;
         std::vector<int> hull;
         cv::convexHull(contour_, hull);
-        std::ranges::sort(hull);  // the order that convexityDefects demands, whatever the outline
+        std::ranges::sort(hull);  // the order that convexityDefects requires for any outline
         std::vector<cv::Vec4i> defects;
         if (hull.size() > 3)
             cv::convexityDefects(contour_, hull, defects);
@@ -216,7 +216,7 @@ private:
     }
 
     Contour contour_;
-    cv::Size picture_;
+    cv::Size image_;
     Hand hand_;
     std::vector<Finger> fingers_;
     double arm_width_ = 0;

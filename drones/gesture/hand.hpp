@@ -21,6 +21,6 @@ struct Hand {
 /// The pose: fist, one, two, three, four, open.
 std::string_view pose(const Hand& hand);
 /// Outlines boxes and palms, and marks the fingers, in a BGR image.
-void draw(cv::Mat& picture, const std::vector<Hand>& hands);
+void draw(cv::Mat& image, const std::vector<Hand>& hands);
 
 }  // namespace gesture

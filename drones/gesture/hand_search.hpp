@@ -24,12 +24,12 @@ public:
     cv::Rect region;       ///< of skin, px; empty: detect a face
     SkinRange range;       ///< without a face and a region
 
-    /// The cascade that finds faces; without one there is no face detection. @throws std::runtime_error  with the
+    /// The cascade that finds faces; empty: no face detection. @throws std::runtime_error  with the
     /// reason
     void load_faces(const std::string& cascade_path);
-    /// @param picture  8 bit, BGR; not changed
+    /// @param image  8 bit, BGR; not changed
     /// @return  the best first
-    [[nodiscard]] std::vector<Hand> find(const cv::Mat& picture);
+    [[nodiscard]] std::vector<Hand> find(const cv::Mat& image);
 
 private:
     /// A place where a palm may be.
@@ -44,13 +44,12 @@ private:
         double worth;
     };
 
-    [[nodiscard]] std::vector<cv::Rect> faces_in(const cv::Mat& picture);
-    [[nodiscard]] std::optional<SkinColour> known_skin(const cv::Mat& picture,
-                                                       const std::vector<cv::Rect>& faces) const;
-    [[nodiscard]] cv::Mat skin_in(const cv::Mat& picture, const std::optional<SkinColour>& known, double deviations,
+    [[nodiscard]] std::vector<cv::Rect> faces_in(const cv::Mat& image);
+    [[nodiscard]] std::optional<SkinColour> known_skin(const cv::Mat& image, const std::vector<cv::Rect>& faces) const;
+    [[nodiscard]] cv::Mat skin_in(const cv::Mat& image, const std::optional<SkinColour>& known, double deviations,
                                   const std::vector<cv::Rect>& faces) const;
     [[nodiscard]] static std::vector<Place> places_in(const cv::Mat& skin, double smallest, double largest);
-    [[nodiscard]] static std::optional<Candidate> look_at(const cv::Mat& picture, const cv::Mat& skin,
+    [[nodiscard]] static std::optional<Candidate> examine(const cv::Mat& image, const cv::Mat& skin,
                                                           const Place& place);
     [[nodiscard]] std::vector<Hand> best_of(std::vector<Candidate> candidates) const;
 

@@ -44,7 +44,7 @@ cv::Rect region_from(const std::string& text)
     return region;
 }
 
-/// The parameters, and the two ways to hands: by the whole silhouette, and by a search for skin.
+/// The parameters, and the two methods: reading the whole silhouette, and searching for skin.
 class Reader {
 public:
     void declare(hive::Drone& drone)
@@ -77,19 +77,19 @@ public:
         silhouette_.from = from_ == "auto" ? "mask" : from_;
     }
 
-    std::vector<Hand> find(const cv::Mat& picture)
+    std::vector<Hand> find(const cv::Mat& image)
     {
-        if (from_ == "auto" && picture.channels() == 3)
-            return search_.find(picture);
-        return finder_.find(silhouette_.of(picture));
+        if (from_ == "auto" && image.channels() == 3)
+            return search_.find(image);
+        return finder_.find(silhouette_.of(image));
     }
 
-    static hive::Json header(const std::vector<Hand>& found, const cv::Mat& picture)
+    static hive::Json header(const std::vector<Hand>& found, const cv::Mat& image)
     {
         hive::Json list = hive::Json::array();
         for (const Hand& hand : found)
             list.push_back(to_json(hand));
-        return {{"hands", std::move(list)}, {"width", picture.cols}, {"height", picture.rows}};
+        return {{"hands", std::move(list)}, {"width", image.cols}, {"height", image.rows}};
     }
 
     static void draw(cv::Mat& canvas, const std::vector<Hand>& found) { gesture::draw(canvas, found); }

@@ -6,12 +6,12 @@
 namespace gesture {
 namespace {
 
-cv::Mat skin_in(const cv::Mat& picture, const SkinRange& range)
+cv::Mat skin_in(const cv::Mat& image, const SkinRange& range)
 {
-    if (picture.channels() != 3)
-        return cv::Mat::zeros(picture.size(), CV_8UC1);
+    if (image.channels() != 3)
+        return cv::Mat::zeros(image.size(), CV_8UC1);
     cv::Mat colours, result;
-    cv::cvtColor(picture, colours, cv::COLOR_BGR2YCrCb);
+    cv::cvtColor(image, colours, cv::COLOR_BGR2YCrCb);
     cv::inRange(colours, cv::Scalar(range.y_min, range.cr_min, range.cb_min),
                 cv::Scalar(range.y_max, range.cr_max, range.cb_max), result);
     return result;
@@ -19,13 +19,13 @@ cv::Mat skin_in(const cv::Mat& picture, const SkinRange& range)
 
 }  // namespace
 
-cv::Mat Silhouette::of(const cv::Mat& picture) const
+cv::Mat Silhouette::of(const cv::Mat& image) const
 {
     if (from == "skin")
-        return skin_in(picture, skin);
-    cv::Mat grey = picture, result;
-    if (picture.channels() == 3)
-        cv::cvtColor(picture, grey, cv::COLOR_BGR2GRAY);
+        return skin_in(image, skin);
+    cv::Mat grey = image, result;
+    if (image.channels() == 3)
+        cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
     cv::threshold(grey, result, level - 1, 255, cv::THRESH_BINARY);
     return result;
 }

@@ -16,13 +16,13 @@ struct SkinRange {
 
 class Silhouette {
 public:
-    std::string from = "mask";  ///< "mask": the picture is one; "skin": its parts of the colour of skin
+    std::string from = "mask";  ///< "mask": the image itself; "skin": its skin-coloured parts
     int level = 1;              ///< of a mask: grey level from which on it is silhouette, 1 to 255
     SkinRange skin;
 
-    /// @param picture  8 bit, BGR or grey; not changed
+    /// @param image  8 bit, BGR or grey; not changed
     /// @return  grey, 255 in the silhouette and 0 elsewhere. A grey image has no skin
-    [[nodiscard]] cv::Mat of(const cv::Mat& picture) const;
+    [[nodiscard]] cv::Mat of(const cv::Mat& image) const;
 };
 
 }  // namespace gesture

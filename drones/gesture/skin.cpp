@@ -14,13 +14,13 @@ namespace {
 constexpr std::size_t fewest_pixels = 20;
 constexpr double near_median = 16;  ///< levels of colour: further away is something else
 
-std::vector<cv::Vec3b> pixels_at(const cv::Mat& picture, const cv::Mat& where)
+std::vector<cv::Vec3b> pixels_at(const cv::Mat& image, const cv::Mat& where)
 {
     std::vector<cv::Vec3b> pixels;
-    for (int y = 0; y < picture.rows; ++y)
-        for (int x = 0; x < picture.cols; ++x)
+    for (int y = 0; y < image.rows; ++y)
+        for (int x = 0; x < image.cols; ++x)
             if (where.at<unsigned char>(y, x))
-                pixels.push_back(picture.at<cv::Vec3b>(y, x));
+                pixels.push_back(image.at<cv::Vec3b>(y, x));
     return pixels;
 }
 
@@ -45,10 +45,10 @@ void keep_the_alike(std::vector<cv::Vec3b>& pixels)
 
 }  // namespace
 
-std::optional<SkinColour> SkinColour::learn(const cv::Mat& picture, const cv::Mat& where, Spread least)
+std::optional<SkinColour> SkinColour::learn(const cv::Mat& image, const cv::Mat& where, Spread least)
 {
     cv::Mat colours;
-    cv::cvtColor(picture, colours, cv::COLOR_BGR2YCrCb);
+    cv::cvtColor(image, colours, cv::COLOR_BGR2YCrCb);
     auto pixels = pixels_at(colours, where);
     if (pixels.size() < fewest_pixels)
         return std::nullopt;
@@ -77,10 +77,10 @@ double SkinColour::distance(const SkinColour& other) const
     return std::sqrt(apart.dot(inverse_ * apart));
 }
 
-cv::Mat SkinColour::mask(const cv::Mat& picture, double deviations) const
+cv::Mat SkinColour::mask(const cv::Mat& image, double deviations) const
 {
-    cv::Mat colours, result(picture.size(), CV_8UC1);
-    cv::cvtColor(picture, colours, cv::COLOR_BGR2YCrCb);
+    cv::Mat colours, result(image.size(), CV_8UC1);
+    cv::cvtColor(image, colours, cv::COLOR_BGR2YCrCb);
     const double most = deviations * deviations;
     for (int y = 0; y < colours.rows; ++y) {
         const auto* from = colours.ptr<cv::Vec3b>(y);

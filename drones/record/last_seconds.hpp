@@ -12,7 +12,7 @@ namespace record {
 
 class LastSeconds {
 public:
-    static constexpr std::size_t most_bytes = 256'000'000;
+    static constexpr std::size_t max_bytes = 256'000'000;
 
     /// Acknowledges the event at once, and copies its body out of shared memory.
     void keep(hive::Event event)
@@ -22,7 +22,7 @@ public:
             event.body = hive::Body(std::string(reinterpret_cast<const char*>(event.body.data()), event.body.size()));
         bytes_ += event.body.size();
         events_.push_back(std::move(event));
-        while (bytes_ > most_bytes) {
+        while (bytes_ > max_bytes) {
             full_ = true;
             forget_oldest();
         }

@@ -77,9 +77,9 @@ void RecordDrone::run()
 
 hive::recording::Limits RecordDrone::limits() const
 {
-    constexpr double most_bytes = 1e18, most_us = 1e15;  // what fits into the numbers
-    return {static_cast<std::uint64_t>(std::min(max_size_ * 1e6, most_bytes)),
-            std::chrono::microseconds(static_cast<std::int64_t>(std::min(max_duration_ * 1e6, most_us)))};
+    constexpr double max_bytes = 1e18, max_us = 1e15;  // what fits into the numbers
+    return {static_cast<std::uint64_t>(std::min(max_size_ * 1e6, max_bytes)),
+            std::chrono::microseconds(static_cast<std::int64_t>(std::min(max_duration_ * 1e6, max_us)))};
 }
 
 void RecordDrone::apply()
@@ -150,7 +150,7 @@ void RecordDrone::open(const Opened& wanted)
     part();
     auto fresh = file_.empty() || wanted.around ? nullptr : writer_of(file_);
     if (wanted.around && !fs::is_directory(folder_ / fs::path(below_folder(file_)).parent_path()))
-        throw hive::Error(hive::Errc::refused, "the folder of " + file_ + " is not there");
+        throw hive::Error(hive::Errc::refused, "the folder of " + file_ + " is missing");
     count_dropped();
     former_ = Former{opened_, writes_, ended_, std::move(writer_), dropped_};
     opened_ = wanted;
@@ -277,7 +277,7 @@ void RecordDrone::take_around(const hive::Event& event)
 
 bool RecordDrone::clip_is_over() const { return opened_.around && writer_ && Clock::now() >= clip_ends_; }
 
-/// Each clip is a file: the first is that of the parameter, unless it is there.
+/// Each clip is a file: the first is that of the parameter, unless it exists.
 void RecordDrone::begin_clip()
 {
     std::error_code none;
@@ -290,7 +290,7 @@ void RecordDrone::begin_clip()
     say();
 }
 
-/// Looks a few times a second, so that a limit or a failed disk is noticed without an event.
+/// Checks a few times per second, so that a limit or a failed disk is detected without an event.
 std::chrono::microseconds RecordDrone::look()
 {
     part();
@@ -334,10 +334,10 @@ void RecordDrone::say()
                                 + (last_.full() ? "; keeps less than before=SECONDS, 256 MB" : ""));
     if (!writer_->failure().empty())
         return drone_.condition(failure_text() + "; set file=" + next_free::after(folder_, writes_));
-    const std::string goes_on = opened_.around            ? "recording " + writes_
+    const std::string continues = opened_.around            ? "recording " + writes_
                                 : writes_ == opened_.file ? ""
-                                                          : "goes on in " + writes_;
-    drone_.condition(writer_->ended().empty() ? goes_on : "ended: " + writer_->ended());
+                                                          : "continuing in " + writes_;
+    drone_.condition(writer_->ended().empty() ? continues : "ended: " + writer_->ended());
 }
 
 }  // namespace record

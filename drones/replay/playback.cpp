@@ -56,8 +56,8 @@ Timeline::Clock::time_point Timeline::due(std::int64_t time_us, double speed, Cl
             std::chrono::duration<double, std::micro>(std::min(static_cast<double>(us) / speed, longest_us)));
     };
     const auto at = [&] { return start_ + took(time_us - first_us_); };
-    if (!begun_ || time_us < last_us_ || speed != speed_ || now - at() > late) {
-        begun_ = true;
+    if (!started_ || time_us < last_us_ || speed != speed_ || now - at() > late) {
+        started_ = true;
         first_us_ = time_us;
         speed_ = speed;
         start_ = now + took(std::exchange(pause_us_, 0));
@@ -68,7 +68,7 @@ Timeline::Clock::time_point Timeline::due(std::int64_t time_us, double speed, Cl
 
 void Timeline::restart(std::int64_t pause_us)
 {
-    begun_ = false;
+    started_ = false;
     pause_us_ = pause_us;
 }
 

@@ -52,7 +52,7 @@ public:
     void restart(std::int64_t pause_us = 0);
 
 private:
-    bool begun_ = false;
+    bool started_ = false;
     std::int64_t pause_us_ = 0, first_us_ = 0, last_us_ = 0;
     double speed_ = 1;
     Clock::time_point start_{};

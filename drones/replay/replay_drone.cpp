@@ -16,7 +16,7 @@ using namespace std::chrono_literals;
 constexpr auto everything = "events";
 
 /// Are all of these types those of images, which connections may have encoded?
-bool are_pictures(const std::string& types)
+bool are_images(const std::string& types)
 {
     std::istringstream list(types);
     bool all = !types.empty();
@@ -56,7 +56,7 @@ void ReplayDrone::declare()
     drone_.parameter("to", to_, hive::at_least(0).in("s"), "end offset in the recording; 0: its end");
 }
 
-/// A file that cannot be read is complained about when the drone runs.
+/// An unreadable file is reported when the drone runs.
 void ReplayDrone::declare_outputs()
 {
     const auto given = drone_.given("file").value_or("");
@@ -68,9 +68,9 @@ void ReplayDrone::declare_outputs()
         }
     for (const auto& port : ports) {
         const auto help = "as it was recorded";
-        outputs_.push_back({port, are_pictures(port.types) ? drone_.output(port.name, hive::vision::image_types, help,
-                                                                           hive::vision::encoder())
-                                                           : drone_.output(port.name, port.types, help)});
+        outputs_.push_back({port, are_images(port.types) ? drone_.output(port.name, hive::vision::image_types, help,
+                                                                         hive::vision::encoder())
+                                                         : drone_.output(port.name, port.types, help)});
     }
     if (outputs_.empty())
         outputs_.push_back({{everything, "*/*", {}}, drone_.output(everything, "*/*", "all events in recorded order")});
@@ -91,7 +91,7 @@ void ReplayDrone::apply()
     const Opened wanted{file_, range()};
     if (wanted != opened_ || ended_)
         open(wanted);
-    event_.reset();  // prepared once more, for the pace that holds now
+    event_.reset();  // prepared again, for the current pace
     timeline_.restart();
     const bool whole = playback_ && opened_.range == Range{};
     drone_.source_events(whole && !loop_ ? playback_->reader().summary().events() : 0);
@@ -111,7 +111,7 @@ void ReplayDrone::open(const Opened& wanted)
         } catch (const std::exception& error) {
             throw hive::Error(hive::Errc::refused, error.what());
         }
-    if (begun_)
+    if (started_)
         rounds_before_ += playback_->rounds() + 1;
     playback_ = std::move(fresh);
     output_of_ = std::move(output_of);
@@ -120,7 +120,7 @@ void ReplayDrone::open(const Opened& wanted)
     if (ended_)
         for (const auto& declared : outputs_)
             declared.output.begin_source();
-    begun_ = ended_ = asked_before_ = false;
+    started_ = ended_ = asked_before_ = false;
     drone_.condition("waiting for a receiver", hive::Reason::no_receiver);
 }
 
@@ -143,7 +143,7 @@ std::vector<std::size_t> ReplayDrone::outputs_for(const std::vector<hive::record
     return result;
 }
 
-bool ReplayDrone::anybody() const
+bool ReplayDrone::has_receivers() const
 {
     return std::ranges::any_of(outputs_, [](const Declared& declared) { return declared.output.received(); });
 }
@@ -159,15 +159,15 @@ ReplayDrone::Step ReplayDrone::next_step()
     asked_before_ = asked_before_ || asked_now;
     if (asked_now)
         return Step::when_asked;
-    const bool for_watchers = anybody() && !asked_before_ && playback_->current()->prefix.body_size == 0;
+    const bool for_watchers = has_receivers() && !asked_before_ && playback_->current()->prefix.body_size == 0;
     return for_watchers ? Step::when_due : Step::none;
 }
 
 std::chrono::microseconds ReplayDrone::step()
 {
-    if (!playback_ || ended_ || (!begun_ && !anybody()))
+    if (!playback_ || ended_ || (!started_ && !has_receivers()))
         return 1s;
-    begun_ = true;
+    started_ = true;
     if (!playback_->current())
         return at_end();
     if (!event_ && !prepare())
@@ -253,7 +253,7 @@ std::chrono::microseconds ReplayDrone::at_end()
         drone_.report(hive::Errc::malformed, file_ + ": " + problem);
     std::string text = "end of recording";
     if (damaged_ > 0)
-        text += "; damaged events left out: " + std::to_string(damaged_);
+        text += "; damaged events skipped: " + std::to_string(damaged_);
     if (without_body_ > 0)
         text += "; without a body, so for no receiver of bodies: " + std::to_string(without_body_);
     drone_.condition(problem.empty() ? text : text + "; " + problem, hive::Reason::source_ended);

@@ -38,7 +38,7 @@ private:
     void open(const Opened& wanted);
     [[nodiscard]] Range range() const;
     [[nodiscard]] std::vector<std::size_t> outputs_for(const std::vector<hive::recording::Track>& tracks) const;
-    [[nodiscard]] bool anybody() const;
+    [[nodiscard]] bool has_receivers() const;
     [[nodiscard]] bool overtakes() const;
     Step next_step();
     std::chrono::microseconds step();
@@ -62,7 +62,7 @@ private:
     std::int64_t rounds_before_ = 0;      ///< started before this playback
     std::vector<std::size_t> output_of_;  ///< by track
     Timeline timeline_;
-    bool begun_ = false, ended_ = false, asked_before_ = false;
+    bool started_ = false, ended_ = false, asked_before_ = false;
     std::optional<hive::Event> event_;  ///< the current one, without its body
     std::int64_t damaged_ = 0, without_body_ = 0;
 };

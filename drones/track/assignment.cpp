@@ -42,7 +42,7 @@ private:
         std::vector<bool> reached;
     };
 
-    /// Looks from `row`, to which the chain through column `via` has come; returns the nearest column that was not
+    /// Extends the chain that reached `row` through column `via`; returns the nearest column that was not
     /// reached before.
     std::size_t advance(Search& search, std::size_t row, std::optional<std::size_t> via) const
     {
@@ -63,7 +63,7 @@ private:
         return *nearest;
     }
 
-    /// Changes the prices so that the chain from `row` to the column `end` costs nothing any more.
+    /// Changes the prices so that the chain from `row` to the column `end` has zero cost.
     void pay(const Search& search, std::size_t row, std::size_t end)
     {
         const double whole = search.distance[end];

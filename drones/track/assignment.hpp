@@ -1,4 +1,4 @@
-// Solves the assignment problem: pairs rows with columns at the least total cost.
+// Solves the assignment problem: pairs rows with columns at the minimum total cost.
 #pragma once
 
 #include <cstddef>
@@ -6,7 +6,7 @@
 
 namespace track {
 
-/// What it costs to pair each row with each column.
+/// The cost of pairing each row with each column.
 class CostTable {
 public:
     CostTable(std::size_t rows, std::size_t columns) : columns_(columns), costs_(rows * columns) {}
@@ -26,7 +26,7 @@ struct Pair {
     bool operator==(const Pair&) const = default;
 };
 
-/// As many pairs as the shorter side has, no row and no column twice, with the least sum of costs (which are finite).
+/// As many pairs as the shorter side has, no row and no column twice, with the minimum sum of costs (which are finite).
 /// Sorted by row; the same costs give the same pairs. Takes time in proportion to (shorter side)^2 x (longer side).
 /// Source: H. W. Kuhn, "The Hungarian method for the assignment problem" (1955), in the form with shortest augmenting
 /// paths.

@@ -1,4 +1,4 @@
-// Converts between JSON and boxes, and checks what comes in.
+// Converts between JSON and boxes, and checks the input.
 #include "boxes.hpp"
 
 #include <box_array.hpp>
@@ -9,13 +9,13 @@ namespace track {
 namespace {
 
 /// Of the colours of a box.
-constexpr std::size_t most_numbers = 64;
+constexpr std::size_t max_numbers = 64;
 
-/// The colours that a finder reports for a box; any other value is not meant for the tracker.
+/// The colours that a finder reports for a box; any other value is ignored.
 Look look_in(const hive::Json& value)
 {
     const auto field = value.find("colours");
-    if (field == value.end() || !field->is_array() || field->size() > most_numbers)
+    if (field == value.end() || !field->is_array() || field->size() > max_numbers)
         return {};
     std::vector<double> numbers;
     for (const hive::Json& part : *field) {
@@ -44,8 +44,8 @@ double rounded(double value, double steps) { return std::round(value * steps) / 
 std::vector<Box> boxes_in(const hive::Json& header, const std::string& name)
 {
     const hive::Json& array = box_array::array_of_boxes(header, name);
-    if (array.size() > most_boxes)
-        throw hive::Error(hive::Errc::too_large, "more than " + std::to_string(most_boxes) + " boxes in one image");
+    if (array.size() > max_boxes)
+        throw hive::Error(hive::Errc::too_large, "more than " + std::to_string(max_boxes) + " boxes in one image");
     std::vector<Box> boxes;
     for (const hive::Json& value : array)
         boxes.push_back(checked(value));

@@ -39,7 +39,7 @@ void track_drone(hive::Drone& drone)
         "boxes", "application/json",
         [&](const hive::Event& event) {
             const auto found = track::boxes_in(event.header, boxes);
-            if (!order.goes_on(event))
+            if (!order.continues(event))
                 tracker.restart();
             tracker.width = track::number_in(event.header, "width");
             tracker.height = track::number_in(event.header, "height");
@@ -50,7 +50,7 @@ void track_drone(hive::Drone& drone)
             media_fields::pass_on(event.header, header);
             tracks.emit(std::move(header));
         },
-        "boxes of consecutive images");
+        "boxes of consecutive frames");
     drone.run();
 }
 

@@ -14,10 +14,10 @@ constexpr double place_noise = 0.1, first_speed = 2;
 /// A size follows the measured ones within about this time, s.
 constexpr double size_settles = 0.15;
 /// Multiple of `forget` for which tracks may share one box; then they are treated as one object.
-constexpr int share_patience = 4;
+constexpr int max_shared_factor = 4;
 /// A box within this distance of the border of the image may be cut off there, px.
 constexpr double at_border = 2;
-/// Images without a box after which a track counts as lost.
+/// Frames without a box after which a track counts as lost.
 constexpr int lost = 3;
 /// The cost of leaving a track and a box unpaired; a pair must cost less.
 constexpr double alone = 1;
@@ -177,13 +177,13 @@ std::vector<bool> Tracker::share(std::span<const Box> boxes)
     return shared;
 }
 
-/// For each box the confirmed tracks whose middles are expected in it and in no other box. Who was lost is not among
-/// them: that it is there is only a guess, and no reason to believe that the box is not another's own.
+/// For each box the confirmed tracks whose middles are expected in it and in no other box. Lost tracks are excluded:
+/// their positions are guesses, and the box may belong to one other track.
 std::vector<std::vector<Tracker::Followed*>> Tracker::gathered(std::span<const Box> boxes)
 {
     std::vector<std::vector<Followed*>> inside(boxes.size());
     for (Followed& one : followed_) {
-        if (!one.track.confirmed || one.track.missing > lost || one.shared >= share_patience * forget)
+        if (!one.track.confirmed || one.track.missing > lost || one.shared >= max_shared_factor * forget)
             continue;
         const auto here = [&](const Box& box) { return within(box, one.x.place(), one.y.place()); };
         const auto first = std::ranges::find_if(boxes, here);
@@ -257,7 +257,7 @@ double Tracker::cost_of_weak(const Followed& one, const Box& box) const
     return one.track.confirmed && overlap >= weak_overlap ? alone * (1 - overlap) : alone;
 }
 
-/// For tracks that have missed an image before, and may have gone elsewhere meanwhile.
+/// For tracks that missed a frame before, and may be elsewhere by now.
 double Tracker::cost_of_return(const Followed& one, const Box& box) const
 {
     const double looks = appearance > 0 ? difference(one.look, box.look).value_or(1) : 1;
@@ -278,7 +278,7 @@ bool Tracker::over(const Followed& one) const
 
 void Tracker::bear(std::span<const Box> boxes, const std::vector<bool>& taken)
 {
-    for (std::size_t i = 0; i < boxes.size() && followed_.size() < most_boxes; ++i)
+    for (std::size_t i = 0; i < boxes.size() && followed_.size() < max_boxes; ++i)
         if (!taken[i] && boxes[i].score >= strong)
             followed_.emplace_back(++ids_, boxes[i]);
 }

@@ -27,24 +27,23 @@ double intersection_over_union(const Box& a, const Box& b);
 struct Track {
     std::int64_t id = 0;              ///< from 1, never used again
     Box box;                          ///< its box; predicted if it has no box of its own
-    int age = 1;                      ///< images since its first box, that one included
+    int age = 1;                      ///< frames since its first box, that one included
     double seconds = 0;               ///< since its first box
     double speed_x = 0, speed_y = 0;  ///< px/s
     int hits = 1;                     ///< boxes of its own
-    int missing = 0;                  ///< images since it was seen last, alone or in one box with others
+    int missing = 0;                  ///< frames since it was last seen, alone or in one box with others
     bool confirmed = false;           ///< had enough boxes
     bool operator==(const Track&) const = default;
 };
 
 /// Maximum boxes per frame, and maximum tracks at a time: more boxes are an error, further tracks start later.
-inline constexpr std::size_t most_boxes = 256;
+inline constexpr std::size_t max_boxes = 256;
 
 /// The same boxes at the same times give the same tracks.
 class Tracker {
 public:
-    int confirm =
-        3;  ///< boxes, one in each image, until a track is confirmed; before, its first miss ends it. At least 1
-    int forget = 30;  ///< images in a row without a box that end a confirmed track. At least 1
+    int confirm = 3;  ///< boxes, one per frame, until a track is confirmed; before, its first miss ends it. At least 1
+    int forget = 30;  ///< consecutive frames without a box that end a confirmed track. At least 1
     double gate =
         0.7;  ///< how far a box may be from where it is expected, in diagonals of the two boxes (their mean). Above 0
     double agility = 2;  ///< how much the speed may change, in sides of the box (root of its area) per s^2. Above 0
@@ -54,8 +53,8 @@ public:
     double width = 0, height = 0;  ///< of the image, px: a track that is more than half outside ends; 0: unknown
     double max_gap = 2;            ///< s; all tracks end at a larger gap between frames. Above 0
 
-    /// The next image. @param seconds  its time on any clock; earlier than the last one: all tracks end
-    /// @param boxes  with sides above 0, at most most_boxes
+    /// The next frame. @param seconds  its time on any clock; earlier than the last one: all tracks end
+    /// @param boxes  with sides above 0, at most max_boxes
     /// @return  all tracks, by id
     std::vector<Track> next(double seconds, std::span<const Box> boxes);
     /// Ends all tracks; their ids are not used again.
@@ -74,9 +73,9 @@ private:
         double w, h;
         Look look;
         double since_hit = 0;  ///< s
-        int shared = 0;        ///< images in one box with others since its last own one
-        int replaced = 0;      ///< images in a row in which something that looks different was in its place
-        bool has_box = false;  ///< of its own, in this image
+        int shared = 0;        ///< frames in one box with others since its last own one
+        int replaced = 0;      ///< consecutive frames with another appearance in its place
+        bool has_box = false;  ///< of its own, in this frame
     };
     /// A round of pairing tracks without a box and boxes without a track.
     struct Round {
@@ -99,7 +98,7 @@ private:
     void bear(std::span<const Box> boxes, const std::vector<bool>& taken);
 
     std::vector<Followed> followed_;  ///< by id
-    std::optional<double> last_;      ///< time of the last image
+    std::optional<double> last_;      ///< time of the last frame
     std::int64_t ids_ = 0;
 };
 

@@ -33,7 +33,7 @@ Answer answer_to(const Request& request, const Exchange& exchange, const Address
         return page("application/json", status_of(exchange.newest(), browsers.now).dump());
     const bool plain = request.path.starts_with("/plain/");  // for the page, which shows the caption's content itself
     if (request.path == "/picture.jpg" || request.path == "/plain/picture.jpg")
-        return exchange.newest().number > 0 ? Answer{{.type = "image/jpeg"}, Answer::picture, plain}
+        return exchange.newest().number > 0 ? Answer{{.type = "image/jpeg"}, Answer::image, plain}
                                             : sentence(503, "There is no image yet.");
     if (request.path == "/stream.mjpg" || request.path == "/plain/stream.mjpg")
         return browsers.now < browsers.most ? Answer{{.type = Stream::type}, Answer::stream, plain}

@@ -15,8 +15,8 @@ struct Browsers {
 };
 
 struct Answer : hive::http::Answer {
-    enum { text, picture, stream } what = text;  ///< an image or a Stream takes the place of the body
-    bool plain = false;                          ///< of images without captions
+    enum { text, image, stream } what = text;  ///< an image or a Stream takes the place of the body
+    bool plain = false;                        ///< of images without captions
 };
 
 Answer answer_to(const Request& request, const Exchange& exchange, const Address& bind, const Pass& pass,

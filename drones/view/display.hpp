@@ -10,7 +10,7 @@ namespace view {
 /// Queries the X server of DISPLAY; the toolkits of OpenCV would exit the process on failure.
 bool has_display();
 
-/// The largest window that such a display can show with its frame and a bar beside it, px; nothing without a display.
+/// The largest window that such a display can show with its frame and a panel, px; nothing without a display.
 std::optional<cv::Size> room_for_window();
 
 }  // namespace view

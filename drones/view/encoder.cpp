@@ -47,18 +47,18 @@ void Encoder::run()
         try {
             const auto newest = exchange_.newest();  // kept no longer than it is worked on
             if (captioned)
-                encode(captioned_, *newest.picture, newest.version);
+                encode(captioned_, *newest.image, newest.version);
             if (plain)
-                encode(plain_, *newest.picture, newest.version);
+                encode(plain_, *newest.image, newest.version);
         } catch (const std::exception&) {  // out of memory: a browser that still waits requests it again
         }
         lock.lock();
     }
 }
 
-void Encoder::encode(Kind& kind, const Picture& picture, std::uint64_t version)
+void Encoder::encode(Kind& kind, const Image& image, std::uint64_t version)
 {
-    Encoded encoded{&kind == &plain_ ? picture.plain_jpeg() : picture.jpeg(), version};
+    Encoded encoded{&kind == &plain_ ? image.plain_jpeg() : image.jpeg(), version};
     {
         const std::lock_guard lock(mutex_);
         std::swap(kind.ready, encoded);

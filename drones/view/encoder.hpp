@@ -38,7 +38,7 @@ private:
     };
 
     void run();
-    void encode(Kind& kind, const Picture& picture, std::uint64_t version);
+    void encode(Kind& kind, const Image& image, std::uint64_t version);
 
     const Exchange& exchange_;
     std::function<void()> done_;

@@ -5,9 +5,9 @@
 
 namespace view {
 
-void Exchange::put(std::shared_ptr<const Picture> picture, Time now)
+void Exchange::put(std::shared_ptr<const Image> image, Time now)
 {
-    Newest next{std::move(picture), 0, now, 0};
+    Newest next{std::move(image), 0, now, 0};
     {
         const std::lock_guard lock(mutex_);
         next.number = newest_.number + 1;
@@ -19,12 +19,12 @@ void Exchange::put(std::shared_ptr<const Picture> picture, Time now)
 
 Exchange::Newest Exchange::newest(Time now) const
 {
-    std::shared_ptr<const Picture> former;  // its pixels are released without the lock
+    std::shared_ptr<const Image> former;  // its pixels are released without the lock
     const std::lock_guard lock(mutex_);
     if (newest_.number > 0 && !newest_.going_on(now) && now - captioned_ >= caption_every) {
         captioned_ = now;
-        if (auto anew = newest_.picture->captioned_anew()) {
-            former = std::exchange(newest_.picture, std::move(anew));
+        if (auto updated = newest_.image->recaptioned()) {
+            former = std::exchange(newest_.image, std::move(updated));
             ++newest_.version;
         }
     }
@@ -33,7 +33,7 @@ Exchange::Newest Exchange::newest(Time now) const
 
 bool Exchange::Newest::going_on(Time now) const
 {
-    const double waited_s = std::chrono::duration<double>(now - since).count(), rate = picture->origin().rate;
+    const double waited_s = std::chrono::duration<double>(now - since).count(), rate = image->origin().rate;
     return waited_s < 2 || (rate > 0 && waited_s < 2 / rate);
 }
 

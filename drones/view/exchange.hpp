@@ -1,7 +1,7 @@
 // Holds the newest image for all viewers. An image that no viewer requested in time is dropped.
 #pragma once
 
-#include "picture.hpp"
+#include "image.hpp"
 
 #include <chrono>
 #include <cstdint>
@@ -14,10 +14,10 @@ class Exchange {
 public:
     using Time = std::chrono::steady_clock::time_point;
     struct Newest {
-        std::shared_ptr<const Picture> picture;  ///< never null
-        std::uint64_t number = 0;                ///< counts images, from 1; 0: none yet
-        Time since{};                            ///< when it was put
-        std::uint64_t version = 0;               ///< also counts updates of the text on an image
+        std::shared_ptr<const Image> image;  ///< never null
+        std::uint64_t number = 0;            ///< counts images, from 1; 0: none yet
+        Time since{};                        ///< when it was put
+        std::uint64_t version = 0;           ///< also counts updates of the text on an image
 
         /// Are images still arriving? False after two seconds and twice the usual interval without one.
         [[nodiscard]] bool going_on(Time now) const;
@@ -26,15 +26,15 @@ public:
     static constexpr std::chrono::milliseconds caption_every{1000};
 
     /// @param first  returned until there is an image
-    explicit Exchange(std::shared_ptr<const Picture> first) : newest_{std::move(first)} {}
-    void put(std::shared_ptr<const Picture> picture, Time now = std::chrono::steady_clock::now());
+    explicit Exchange(std::shared_ptr<const Image> first) : newest_{std::move(first)} {}
+    void put(std::shared_ptr<const Image> image, Time now = std::chrono::steady_clock::now());
     /// Viewers call this repeatedly, which also keeps the age on the last image up to date.
     [[nodiscard]] Newest newest(Time now = std::chrono::steady_clock::now()) const;
 
 private:
     mutable std::mutex mutex_;
     mutable Newest newest_;
-    mutable Time captioned_{};  ///< when its text was last to be written
+    mutable Time captioned_{};  ///< when its text was last due
 };
 
 /// Images per second, over the last two seconds, or since the previous one if that is longer ago. For one thread.

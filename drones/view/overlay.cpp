@@ -52,13 +52,13 @@ std::string caption(const Origin& origin, std::chrono::system_clock::time_point 
     return text;
 }
 
-cv::Mat with_caption(const cv::Mat& picture, const std::string& text)
+cv::Mat with_caption(const cv::Mat& image, const std::string& text)
 {
     cv::Mat drawn;
-    if (picture.channels() == 1)
-        cv::cvtColor(picture, drawn, cv::COLOR_GRAY2BGR);
+    if (image.channels() == 1)
+        cv::cvtColor(image, drawn, cv::COLOR_GRAY2BGR);
     else
-        picture.copyTo(drawn);
+        image.copyTo(drawn);
     const double scale = scale_for(text, drawn.size());
     const int thickness = thickness_for(scale);
     int baseline = 0;
@@ -72,13 +72,13 @@ cv::Mat with_caption(const cv::Mat& picture, const std::string& text)
 
 cv::Mat notice(const std::string& text, cv::Size size)
 {
-    cv::Mat picture(size, CV_8UC3, cv::Scalar(34, 30, 28));
+    cv::Mat image(size, CV_8UC3, cv::Scalar(34, 30, 28));
     const double scale = scale_for(text, {size.width - size.width / 10, 2 * size.height});
     int baseline = 0;
     const cv::Size box = cv::getTextSize(text, font, scale, thickness_for(scale), &baseline);
-    cv::putText(picture, text, {(size.width - box.width) / 2, (size.height + box.height) / 2}, font, scale,
+    cv::putText(image, text, {(size.width - box.width) / 2, (size.height + box.height) / 2}, font, scale,
                 cv::Scalar::all(170), thickness_for(scale), cv::LINE_AA);
-    return picture;
+    return image;
 }
 
 }  // namespace view

@@ -25,9 +25,9 @@ std::string caption(const Origin& origin, std::chrono::system_clock::time_point 
 /// "12 ms", "3.4 s", "7 min"
 std::string age_text(std::chrono::milliseconds age);
 
-/// A copy of `picture` (8 bit, grey or BGR) with the text on a dark strip at its lower edge, small enough for its
+/// A copy of `image` (8 bit, grey or BGR) with the text on a dark strip at its lower edge, small enough for its
 /// width.
-cv::Mat with_caption(const cv::Mat& picture, const std::string& text);
+cv::Mat with_caption(const cv::Mat& image, const std::string& text);
 /// A dark image with a text in the middle.
 cv::Mat notice(const std::string& text, cv::Size size = {640, 360});
 

@@ -31,11 +31,11 @@ std::optional<hive::http::Answer> Server::Core::answer(const Request& request, h
     auto answer = answer_to(request, exchange_, visit.bind, visit.pass, {visit.streams, settings_.streams});
     if (answer.what == Answer::text)
         return answer;
-    auto picture = encoder_.newest(answer.plain, visit.now);
-    if (!picture.jpeg || picture.version < visit.mark)
+    auto image = encoder_.newest(answer.plain, visit.now);
+    if (!image.jpeg || image.version < visit.mark)
         return visit.late ? std::optional<hive::http::Answer>(not_ready()) : std::nullopt;
-    if (answer.what == Answer::picture)
-        answer.bytes = std::move(picture.jpeg);
+    if (answer.what == Answer::image)
+        answer.bytes = std::move(image.jpeg);
     else
         answer.hive::http::Answer::stream = std::make_shared<Stream>(
             [this, plain = answer.plain](Exchange::Time now) { return encoder_.newest(plain, now); }, settings_.repeat);

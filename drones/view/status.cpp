@@ -9,7 +9,7 @@ nlohmann::json status_of(const Exchange::Newest& newest, std::size_t browsers, E
                          std::chrono::system_clock::time_point wall)
 {
     using std::chrono::duration_cast, std::chrono::milliseconds;
-    const Origin& origin = newest.picture->origin();
+    const Origin& origin = newest.image->origin();
     nlohmann::json status{
         {"sender", nullptr},   {"source", nullptr},   {"sequence", nullptr}, {"number", newest.number},
         {"width", nullptr},    {"height", nullptr},   {"rate", 0},           {"age_ms", nullptr},

@@ -17,11 +17,11 @@ bool Stream::begin_part(Exchange::Time now)
 {
     auto newest = newest_(now);
     const bool first = !jpeg_;
-    if (!newest.jpeg || (!first && newest.version == version_ && now - begun_ < repeat_))
+    if (!newest.jpeg || (!first && newest.version == version_ && now - started_ < repeat_))
         return false;
     jpeg_ = std::move(newest.jpeg);
     version_ = newest.version;
-    begun_ = now;
+    started_ = now;
     sent_ = 0;
     head_ = (first ? std::string(boundary) : std::string())
             + "Content-Type: image/jpeg\r\nContent-Length: " + std::to_string(jpeg_->size()) + "\r\n\r\n";

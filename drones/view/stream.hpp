@@ -35,7 +35,7 @@ private:
     Jpeg jpeg_;
     std::size_t sent_ = 0;  ///< of head, JPEG and end together
     std::uint64_t version_ = 0;
-    Exchange::Time begun_{};
+    Exchange::Time started_{};
 };
 
 }  // namespace view

@@ -32,13 +32,13 @@ Origin origin_of(const hive::Event& event, cv::Size size, double rate)
 
 }  // namespace
 
-ViewDrone::ViewDrone(hive::Drone& drone) : drone_(drone), exchange_(Picture::of_notice("no image yet"))
+ViewDrone::ViewDrone(hive::Drone& drone) : drone_(drone), exchange_(Image::of_notice("no image yet"))
 {
     declare();
     drone_.on_start([] { cv::setNumThreads(1); });  // one drone, one core
     drone_.on_change([this] { apply(); });
     drone_.on_event(
-        "image", hive::vision::image_types, [this](const hive::Event& event) { take(event); }, "the pictures to show");
+        "image", hive::vision::image_types, [this](const hive::Event& event) { take(event); }, "the images to show");
     drone_.main([this] { return step(); });
 }
 
@@ -104,26 +104,26 @@ void ViewDrone::take(const hive::Event& event)
 {
     const cv::Size size =
         hive::vision::size_of(event.body, event.type, {}, event.header);  // throws for anything that is not an image
-    exchange_.put(std::make_shared<Picture>(origin_of(event, size, rate_.count(Clock::now())), content_of(event),
-                                            Picture::Look{overlay_, quality_}));
+    exchange_.put(std::make_shared<Image>(origin_of(event, size, rate_.count(Clock::now())), content_of(event),
+                                          Image::Look{overlay_, quality_}));
     show();
     hold(event);
 }
 
 /// Decodes only when a viewer needs the image, on the thread of the window or of the encoder.
-Picture::Content ViewDrone::content_of(const hive::Event& event) const
+Image::Content ViewDrone::content_of(const hive::Event& event) const
 {
-    hive::Event picture = event;
-    picture.ticket = {};  // acknowledged now: viewing is not processing
-    Picture::Content content{[this, picture] {
-                                 try {
-                                     return hive::vision::view(picture);
-                                 } catch (const hive::Error& error) {
-                                     drone_.report(error.code(), error.what());
-                                     throw;
-                                 }
-                             },
-                             nullptr};
+    hive::Event image = event;
+    image.ticket = {};  // acknowledged now: viewing is not processing
+    Image::Content content{[this, image] {
+                               try {
+                                   return hive::vision::view(image);
+                               } catch (const hive::Error& error) {
+                                   drone_.report(error.code(), error.what());
+                                   throw;
+                               }
+                           },
+                           nullptr};
     if (event.type == "image/jpeg" && (!overlay_ || server_)) {
         const std::span bytes(reinterpret_cast<const unsigned char*>(event.body.data()), event.body.size());
         content.jpeg = std::make_shared<const std::vector<unsigned char>>(bytes.begin(), bytes.end());

@@ -30,7 +30,7 @@ private:
     [[nodiscard]] std::string problem() const;
     [[nodiscard]] bool wants_window() const { return window_ == "on" || (window_ == "auto" && display_); }
     void take(const hive::Event& event);
-    [[nodiscard]] Picture::Content content_of(const hive::Event& event) const;
+    [[nodiscard]] Image::Content content_of(const hive::Event& event) const;
     void show();
     void hold(const hive::Event& event);
     std::chrono::microseconds step();

@@ -1,4 +1,4 @@
-// Shows OpenCV's window, and polls it for input a hundred times a second.
+// Shows OpenCV's window, and polls it for input 100 times per second.
 #include "window.hpp"
 
 #include "display.hpp"
@@ -65,10 +65,10 @@ void Window::show(const Exchange::Newest& newest)
 {
     if (!open_) {
         cv::namedWindow(name, cv::WINDOW_AUTOSIZE | cv::WINDOW_GUI_NORMAL);
-        room_ = room_for_window();  // as it is now; screens come and go
+        room_ = room_for_window();  // again for each image, because screens are added and removed
     }
-    cv::imshow(name, fitted(newest.picture->shown(), room_));
-    if (const auto& sender = newest.picture->origin().sender; sender != title_ || !open_) {
+    cv::imshow(name, fitted(newest.image->shown(), room_));
+    if (const auto& sender = newest.image->origin().sender; sender != title_ || !open_) {
         cv::setWindowTitle(name, sender + " - Hive view");
         title_ = sender;
     }
@@ -76,17 +76,16 @@ void Window::show(const Exchange::Newest& newest)
     open_ = true;
 }
 
-cv::Mat Window::fitted(const cv::Mat& picture, const std::optional<cv::Size>& room)
+cv::Mat Window::fitted(const cv::Mat& image, const std::optional<cv::Size>& room)
 {
-    if (!room || (picture.cols <= room->width && picture.rows <= room->height))
-        return picture;
+    if (!room || (image.cols <= room->width && image.rows <= room->height))
+        return image;
     const double scale =
-        std::min(static_cast<double>(room->width) / picture.cols, static_cast<double>(room->height) / picture.rows);
+        std::min(static_cast<double>(room->width) / image.cols, static_cast<double>(room->height) / image.rows);
     cv::Mat smaller;
-    cv::resize(
-        picture, smaller,
-        {std::max(1, static_cast<int>(scale * picture.cols)), std::max(1, static_cast<int>(scale * picture.rows))}, 0,
-        0, cv::INTER_AREA);
+    cv::resize(image, smaller,
+               {std::max(1, static_cast<int>(scale * image.cols)), std::max(1, static_cast<int>(scale * image.rows))},
+               0, 0, cv::INTER_AREA);
     return smaller;
 }
 

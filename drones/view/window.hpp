@@ -27,7 +27,7 @@ public:
     void wake();
 
     /// The image, or a smaller one of the same aspect ratio that fits into the room. (For tests.)
-    static cv::Mat fitted(const cv::Mat& picture, const std::optional<cv::Size>& room);
+    static cv::Mat fitted(const cv::Mat& image, const std::optional<cv::Size>& room);
 
 private:
     void run(const std::function<void()>& closed);

@@ -3,7 +3,7 @@
 
 int main(int argc, char** argv)
 {
-    return hive::run_drone(
-        argc, argv, {.kind = "write", .summary = "Writes pictures to a video file or a folder.", .stateful = true},
-        [](hive::Drone& drone) { writing::WriteDrone(drone).run(); });
+    return hive::run_drone(argc, argv,
+                           {.kind = "write", .summary = "Writes images to a video file or a folder.", .stateful = true},
+                           [](hive::Drone& drone) { writing::WriteDrone(drone).run(); });
 }

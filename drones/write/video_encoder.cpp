@@ -17,12 +17,12 @@ std::string rate_factor(int quality) { return std::to_string(std::lround(50 - 0.
 /// The quantizer of the older encoders, 1 to 31.
 int quantizer(int quality) { return std::clamp(static_cast<int>(std::lround(31 - 0.3 * quality)), 1, 31); }
 
-cv::Mat in_colour(const cv::Mat& picture)
+cv::Mat in_colour(const cv::Mat& image)
 {
-    if (picture.channels() == 3)
-        return picture;
+    if (image.channels() == 3)
+        return image;
     cv::Mat colour;
-    cv::cvtColor(picture, colour, cv::COLOR_GRAY2BGR);
+    cv::cvtColor(image, colour, cv::COLOR_GRAY2BGR);
     return colour;
 }
 
@@ -46,7 +46,7 @@ VideoEncoder::VideoEncoder(const AVOutputFormat& container, const EncoderSetting
             break;
     }
     if (!context_)
-        throw std::runtime_error(std::string("FFmpeg has no encoder here for ") + container.long_name);
+        throw std::runtime_error(std::string("FFmpeg has no encoder for ") + container.long_name);
     frame_->format = context_->pix_fmt;
     frame_->width = context_->width;
     frame_->height = context_->height;
@@ -81,10 +81,9 @@ bool VideoEncoder::open(const AVCodec& codec, const AVOutputFormat& container, c
     return true;
 }
 
-void VideoEncoder::encode(const cv::Mat& picture, std::int64_t time, bool key,
-                          const std::function<void(AVPacket&)>& take)
+void VideoEncoder::encode(const cv::Mat& image, std::int64_t time, bool key, const std::function<void(AVPacket&)>& take)
 {
-    cv::Mat colour = in_colour(picture);
+    cv::Mat colour = in_colour(image);
     if (colour.size() != cv::Size(frame_->width, frame_->height))
         colour = with_margin(colour);
     scaler_.reset(sws_getCachedContext(scaler_.release(), colour.cols, colour.rows, AV_PIX_FMT_BGR24, frame_->width,
@@ -104,7 +103,7 @@ void VideoEncoder::encode(const cv::Mat& picture, std::int64_t time, bool key,
 
 void VideoEncoder::finish(const std::function<void(AVPacket&)>& take)
 {
-    checked(avcodec_send_frame(context_.get(), nullptr), "the last pictures could not be encoded");
+    checked(avcodec_send_frame(context_.get(), nullptr), "the last images could not be encoded");
     receive(take);
 }
 

@@ -24,9 +24,9 @@ public:
     /// @throws std::runtime_error  no encoder fits
     VideoEncoder(const AVOutputFormat& container, const EncoderSettings& settings);
 
-    /// @param picture  BGR or grey, 8 bit, of any size: it is scaled
+    /// @param image  BGR or grey, 8 bit, of any size: it is scaled
     /// @param key      encode it as a key frame
-    void encode(const cv::Mat& picture, std::int64_t time, bool key, const std::function<void(AVPacket&)>& take);
+    void encode(const cv::Mat& image, std::int64_t time, bool key, const std::function<void(AVPacket&)>& take);
     /// Flushes the encoder.
     void finish(const std::function<void(AVPacket&)>& take);
 

@@ -12,17 +12,18 @@ namespace {
 namespace fs = std::filesystem;
 using ffmpeg::checked;
 
-std::string ending_of(const std::string& path)
+std::string extension_of(const std::string& path)
 {
-    std::string ending = fs::path(path).extension().string();
-    std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return ending;
+    std::string extension = fs::path(path).extension().string();
+    std::ranges::transform(extension, extension.begin(),
+                           [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return extension;
 }
 
 bool is_mp4(const std::string& path)
 {
-    const auto ending = ending_of(path);
-    return ending == ".mp4" || ending == ".m4v" || ending == ".mov";
+    const auto extension = extension_of(path);
+    return extension == ".mp4" || extension == ".m4v" || extension == ".mov";
 }
 
 /// Bypasses FFmpeg's own parsing of the path, which may have a colon or `%d`.
@@ -34,12 +35,12 @@ void open_to_write(AVIOContext*& opened, const std::string& path)
     checked(avio_open(&opened, url_of(path).c_str(), AVIO_FLAG_WRITE), path);
 }
 
-cv::Mat eight_bits(const cv::Mat& picture)
+cv::Mat eight_bits(const cv::Mat& image)
 {
-    if (picture.depth() != CV_16U)
-        return picture;
+    if (image.depth() != CV_16U)
+        return image;
     cv::Mat result;
-    picture.convertTo(result, CV_8U, 1.0 / 257);
+    image.convertTo(result, CV_8U, 1.0 / 257);
     return result;
 }
 
@@ -105,15 +106,15 @@ VideoFile::~VideoFile() { abandon(); }
 
 bool VideoFile::knows(const std::string& path)
 {
-    const auto ending = ending_of(path);
-    return is_mp4(path) || ending == ".mkv" || ending == ".avi";
+    const auto extension = extension_of(path);
+    return is_mp4(path) || extension == ".mkv" || extension == ".avi";
 }
 
-void VideoFile::begin(const Picture& picture)
+void VideoFile::begin(const Image& image)
 {
-    const bool avi = ending_of(settings_.path) == ".avi";
-    const double fps = picture.fps > 0 ? std::clamp(picture.fps, 0.1, 1000.0) : 30;
-    EncoderSettings encoding{.size = picture.pixels.size(), .quality = settings_.quality};
+    const bool avi = extension_of(settings_.path) == ".avi";
+    const double fps = image.fps > 0 ? std::clamp(image.fps, 0.1, 1000.0) : 30;
+    EncoderSettings encoding{.size = image.pixels.size(), .quality = settings_.quality};
     encoding.frame_rate = av_d2q(fps, 60'000);
     if (avi)
         encoding.time_base = av_inv_q(encoding.frame_rate);
@@ -133,13 +134,13 @@ void VideoFile::begin(const Picture& picture)
     const int code = avformat_write_header(file_, &options);
     av_dict_free(&options);
     checked(code, settings_.path);
-    begun_ = true;
+    started_ = true;
 }
 
-void VideoFile::add(const Picture& picture, std::chrono::microseconds time)
+void VideoFile::add(const Image& image, std::chrono::microseconds time)
 {
     if (!file_)
-        begin(picture);
+        begin(image);
     const AVRational base = encoder_->context().time_base;
     auto at = av_rescale_q(time.count(), {1, 1'000'000}, base);
     if (last_) {
@@ -153,7 +154,7 @@ void VideoFile::add(const Picture& picture, std::chrono::microseconds time)
     const bool key = !last_key_ || at - *last_key_ >= second;
     if (key)
         last_key_ = at;
-    encoder_->encode(eight_bits(picture.pixels), at, key, [this](AVPacket& packet) { write(packet); });
+    encoder_->encode(eight_bits(image.pixels), at, key, [this](AVPacket& packet) { write(packet); });
 }
 
 void VideoFile::write(AVPacket& packet)
@@ -167,7 +168,7 @@ void VideoFile::write(AVPacket& packet)
 
 void VideoFile::close()
 {
-    if (!begun_)
+    if (!started_)
         return abandon();
     try {
         encoder_->finish([this](AVPacket& packet) { write(packet); });
@@ -193,7 +194,7 @@ std::optional<Held> VideoFile::held() const
     for (; av_read_frame(file.get(), packet.get()) >= 0; av_packet_unref(packet.get())) {
         if ((packet->flags & AV_PKT_FLAG_CORRUPT) != 0)
             continue;
-        ++held.pictures;
+        ++held.images;
         held.last =
             std::chrono::microseconds(av_rescale_q(packet->pts == AV_NOPTS_VALUE ? packet->dts : packet->pts,
                                                    file->streams[packet->stream_index]->time_base, {1, 1'000'000}));
@@ -208,7 +209,7 @@ void VideoFile::abandon()
         avio_closep(&file_->pb);
     avformat_free_context(file_);
     file_ = nullptr;
-    begun_ = false;
+    started_ = false;
 }
 
 }  // namespace writing

@@ -15,23 +15,23 @@ public:
     explicit VideoFile(Settings settings);
     ~VideoFile() override;
 
-    void add(const Picture& picture, std::chrono::microseconds time) override;
+    void add(const Image& image, std::chrono::microseconds time) override;
     void close() override;
     [[nodiscard]] bool takes_encoded(const std::string&) const override { return false; }
     [[nodiscard]] std::optional<Held> held() const override;
     [[nodiscard]] std::string encoder() const override { return encoder_ ? encoder_->name() : ""; }
 
-    /// Is that the ending of a video?
+    /// Is this the extension of a video?
     static bool knows(const std::string& path);
 
 private:
-    void begin(const Picture& picture);
+    void begin(const Image& image);
     void write(AVPacket& packet);
     void abandon();
 
     Settings settings_;
     AVFormatContext* file_ = nullptr;
-    bool begun_ = false;  ///< with a header and an encoder: only then it can be completed
+    bool started_ = false;  ///< with a header and an encoder: only then it can be completed
     AVStream* stream_ = nullptr;
     std::optional<VideoEncoder> encoder_;
     std::optional<std::int64_t> last_, last_key_;  ///< times of images, in the time base of the encoder

@@ -14,7 +14,7 @@
 namespace writing {
 namespace {
 
-constexpr double usual_fps = 25;  ///< of images without a time of their own
+constexpr double default_fps = 25;  ///< of images without a time of their own
 
 std::int64_t number_in(const hive::Json& header, const char* field)
 {
@@ -32,7 +32,7 @@ double fps_in(const hive::Json& header)
     return fps >= lowest_fps && fps <= highest_fps ? fps : 0;
 }
 
-std::string ending_of(const std::string& type) { return type == "image/jpeg" ? ".jpg" : ".png"; }
+std::string extension_of(const std::string& type) { return type == "image/jpeg" ? ".jpg" : ".png"; }
 
 }  // namespace
 
@@ -148,18 +148,18 @@ void WriteDrone::take(const hive::Event& event)
 /// An unreadable image is an exception, and the next one is written; after a failure of the disk it is not.
 void WriteDrone::write(const hive::Event& event)
 {
-    Picture picture{.pixels = {}, .sequence = event.identity.sequence, .fps = fps_in(event.header)};
-    const auto ending = ending_of(event.type);
-    if (event.type != "image/raw" && present_.sink->takes_encoded(ending)) {
+    Image image{.pixels = {}, .sequence = event.identity.sequence, .fps = fps_in(event.header)};
+    const auto extension = extension_of(event.type);
+    if (event.type != "image/raw" && present_.sink->takes_encoded(extension)) {
         static_cast<void>(hive::vision::size_of(event.body, event.type));
-        picture.encoded = {event.body.data(), event.body.size()};
-        picture.ending = ending;
+        image.encoded = {event.body.data(), event.body.size()};
+        image.extension = extension;
     } else {
-        picture.pixels = hive::vision::view(event, {.sixteen_bits = true});
+        image.pixels = hive::vision::view(event, {.sixteen_bits = true});
     }
     const auto time = present_.times.next(moment_of(event));
     try {
-        present_.sink->add(picture, time);
+        present_.sink->add(image, time);
     } catch (const std::exception& error) {
         return fail(error.what());
     }
@@ -183,7 +183,7 @@ Moment WriteDrone::moment_of(const hive::Event& event) const
     if (const auto own = number_in(event.header, "media_time_us"); own >= 0)
         return {source, own, fps};
     if (identity.lossless)
-        return counted(fps > 0 ? fps : usual_fps);
+        return counted(fps > 0 ? fps : default_fps);
     return {source, identity.monotonic_us > 0 ? identity.monotonic_us : identity.captured_us, fps};
 }
 
@@ -198,17 +198,17 @@ void WriteDrone::close(File& file, const std::string& how, const std::string& pr
     const auto sink = std::exchange(file.sink, nullptr);
     if (!sink)
         return;
-    std::string trouble = problem;
+    std::string last_error = problem;
     const auto encoder = sink->encoder();
     try {
         sink->close();
     } catch (const std::exception& error) {
-        if (trouble.empty())
-            drone_.report(hive::Errc::io, trouble = error.what());
+        if (last_error.empty())
+            drone_.report(hive::Errc::io, last_error = error.what());
     }
-    if (!trouble.empty())
+    if (!last_error.empty())
         if (const auto held = sink->held()) {
-            file.written = held->pictures;
+            file.written = held->images;
             file.last = held->last;
         }
     file.ended = how;
@@ -219,7 +219,7 @@ void WriteDrone::close(File& file, const std::string& how, const std::string& pr
                      {"duration_us", file.last.count()},
                      {"encoder", encoder},
                      {"ended", how},
-                     {"problem", trouble}});
+                     {"problem", last_error}});
     say();
 }
 

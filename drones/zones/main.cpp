@@ -69,7 +69,7 @@ private:
     {
         const auto anchor = anchor_ == "foot" ? zones::Anchor::foot : zones::Anchor::centre;
         const auto frame = zones::read_frame(event.header, boxes_, anchor);
-        const bool continues = order_.goes_on(event);
+        const bool continues = order_.continues(event);
         const bool of_file = event.header.contains("media_time_us");
         if (!continues || std::exchange(restart_, false))
             emit(counter_.restart(), of_file);

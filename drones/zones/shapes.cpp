@@ -70,7 +70,7 @@ Shape shape_of(const std::string& part)
 void add(std::vector<Shape>& shapes, Shape shape)
 {
     if (std::ranges::count(shapes, shape.name, &Shape::name) > 0)
-        refuse(shape.name + ": two have this name");
+        refuse(shape.name + ": duplicate name");
     shapes.push_back(std::move(shape));
     if (shapes.size() > max_shapes)
         refuse("more than 16");

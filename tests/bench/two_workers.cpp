@@ -39,7 +39,7 @@ void make_clip(const fs::path& folder)
     for (int i = 0; i < clip_pictures; ++i) {
         char name[32];
         std::snprintf(name, sizeof name, "%03d.jpg", i);
-        cv::imwrite((folder / name).string(), scene.picture(i * 10).image, {cv::IMWRITE_JPEG_QUALITY, 90});
+        cv::imwrite((folder / name).string(), scene.frame(i * 10).image, {cv::IMWRITE_JPEG_QUALITY, 90});
     }
 }
 

@@ -1,4 +1,4 @@
-// The examples on the drones' pages, to be compared with what the drones send.
+// The examples on the drones' pages, to be compared with the drones' events.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -29,7 +29,7 @@ inline std::vector<std::string> keys(const nlohmann::json& object)
     return names;
 }
 
-/// Of the header of a result: without what is passed on from a picture that comes from a file.
+/// Of the header of a result: without the file metadata of its image.
 inline std::vector<std::string> own_keys(nlohmann::json header)
 {
     for (const char* field : {"file", "fps", "media_time_us"})

@@ -36,9 +36,9 @@ JpegStructure checked_jpeg(const Body& body, const DecodeLimits& limits)
 /// Converts CMYK to BGR as cv::imdecode does: the values are assumed inverted, as all programs write them.
 cv::Mat in_colour(const cv::Mat& inks)
 {
-    cv::Mat picture(inks.size(), CV_8UC3);
+    cv::Mat image(inks.size(), CV_8UC3);
     for (int row = 0; row < inks.rows; ++row)
-        std::transform(inks.ptr<cv::Vec4b>(row), inks.ptr<cv::Vec4b>(row) + inks.cols, picture.ptr<cv::Vec3b>(row),
+        std::transform(inks.ptr<cv::Vec4b>(row), inks.ptr<cv::Vec4b>(row) + inks.cols, image.ptr<cv::Vec3b>(row),
                        [](const cv::Vec4b& ink) {
                            const int black = ink[3];
                            const auto light = [black](int colour) {
@@ -46,7 +46,7 @@ cv::Mat in_colour(const cv::Mat& inks)
                            };
                            return cv::Vec3b(light(ink[2]), light(ink[1]), light(ink[0]));
                        });
-    return picture;
+    return image;
 }
 
 /// A warning of the decoder (data missing, data left over) means that pixels were invented: it is an error here.
@@ -55,14 +55,14 @@ cv::Mat decode_jpeg(const Body& body, const DecodeLimits& limits)
     const JpegStructure jpeg = checked_jpeg(body, limits);
     const std::unique_ptr<void, int (*)(tjhandle)> decoder(tjInitDecompress(), tjDestroy);
     if (!decoder)
-        throw Error(Errc::failed, "the JPEG decoder could not be made");
+        throw Error(Errc::failed, "the JPEG decoder could not be created");
     const bool cmyk = jpeg.components == 4;
-    const cv::Mat picture(jpeg.height, jpeg.width, cmyk ? CV_8UC4 : CV_8UC3);
-    if (tjDecompress2(decoder.get(), body.data(), static_cast<unsigned long>(jpeg.size), picture.data, jpeg.width,
-                      static_cast<int>(picture.step), jpeg.height, cmyk ? TJPF_CMYK : TJPF_BGR, TJFLAG_STOPONWARNING)
+    const cv::Mat image(jpeg.height, jpeg.width, cmyk ? CV_8UC4 : CV_8UC3);
+    if (tjDecompress2(decoder.get(), body.data(), static_cast<unsigned long>(jpeg.size), image.data, jpeg.width,
+                      static_cast<int>(image.step), jpeg.height, cmyk ? TJPF_CMYK : TJPF_BGR, TJFLAG_STOPONWARNING)
         != 0)
         throw Error(Errc::malformed, std::string("JPEG: ") + tjGetErrorStr2(decoder.get()));
-    return upright(cmyk ? in_colour(picture) : picture, jpeg.orientation);
+    return upright(cmyk ? in_colour(image) : image, jpeg.orientation);
 }
 
 PngSize checked_png(const Body& body, const DecodeLimits& limits)
@@ -75,9 +75,9 @@ PngSize checked_png(const Body& body, const DecodeLimits& limits)
 cv::Mat decode_png(const Body& body, const DecodeLimits& limits)
 {
     const PngSize size = checked_png(body, limits);
-    cv::Mat picture(static_cast<int>(size.height), static_cast<int>(size.width), CV_8UC3);
-    const int orientation = read_png(bytes_of(body), picture);
-    return upright(picture, orientation);
+    cv::Mat image(static_cast<int>(size.height), static_cast<int>(size.width), CV_8UC3);
+    const int orientation = read_png(bytes_of(body), image);
+    return upright(image, orientation);
 }
 
 cv::Size size_of_png(const Body& body, const DecodeLimits& limits)
@@ -88,8 +88,7 @@ cv::Size size_of_png(const Body& body, const DecodeLimits& limits)
 
 [[noreturn]] void unknown_type(const std::string& type)
 {
-    throw Error(Errc::unsupported,
-                "pictures of type " + in_quotes(type) + " are not supported; " + image_types + " are");
+    throw Error(Errc::unsupported, "images of type " + in_quotes(type) + " are not supported; " + image_types + " are");
 }
 
 /// The bytes must not change between check and decoding.
@@ -98,7 +97,7 @@ Body unchanging(const Body& body)
     return body.foreign() ? Body(std::vector(body.data(), body.data() + body.size())) : body;
 }
 
-cv::Mat picture_of(const Body& body, const std::string& type, const DecodeLimits& limits, const Json& header)
+cv::Mat image_of(const Body& body, const std::string& type, const DecodeLimits& limits, const Json& header)
 {
     if (type == "image/jpeg")
         return decode_jpeg(body, limits);
@@ -113,14 +112,14 @@ cv::Mat picture_of(const Body& body, const std::string& type, const DecodeLimits
 
 cv::Mat decode(const Body& body, const std::string& type, const DecodeLimits& limits, const Json& header)
 {
-    cv::Mat picture = picture_of(type == "image/raw" ? body : unchanging(body), type, limits, header);
-    return type == "image/raw" ? picture.clone() : picture;
+    cv::Mat image = image_of(type == "image/raw" ? body : unchanging(body), type, limits, header);
+    return type == "image/raw" ? image.clone() : image;
 }
 
 cv::Mat decode(const Event& event, const DecodeLimits& limits)
 {
-    cv::Mat picture = view(event, limits);
-    return event.type == "image/raw" ? picture.clone() : picture;
+    cv::Mat image = view(event, limits);
+    return event.type == "image/raw" ? image.clone() : image;
 }
 
 cv::Mat view(const Event& event, const DecodeLimits& limits)
@@ -135,7 +134,7 @@ cv::Mat view(const Event& event, const DecodeLimits& limits)
             > fields.integer("width", 1, 1 << 20) * fields.integer("height", 1, 1 << 20))
             throw Error(Errc::malformed, "the image is larger than its header says");
     }
-    return picture_of(body, event.type, limits, header);
+    return image_of(body, event.type, limits, header);
 }
 
 cv::Size size_of(const Body& body, const std::string& type, const DecodeLimits& limits, const Json& header)

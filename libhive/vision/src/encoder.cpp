@@ -7,7 +7,7 @@
 namespace hive::vision {
 namespace {
 
-constexpr int usual_quality = 80;
+constexpr int default_quality = 80;
 
 const std::vector<Encoding>& encodings()
 {
@@ -15,12 +15,11 @@ const std::vector<Encoding>& encodings()
     return all;
 }
 
-Body body_of(const cv::Mat& picture, const std::string& word, std::optional<std::int64_t> quality)
+Body body_of(const cv::Mat& image, const std::string& word, std::optional<std::int64_t> quality)
 {
     if (word == "raw")
-        return encode_raw(picture);
-    return word == "png" ? encode_png(picture)
-                         : encode_jpeg(picture, static_cast<int>(quality.value_or(usual_quality)));
+        return encode_raw(image);
+    return word == "png" ? encode_png(image) : encode_jpeg(image, static_cast<int>(quality.value_or(default_quality)));
 }
 
 Event encode(const Event& event, const std::string& text)
@@ -29,15 +28,15 @@ Event encode(const Event& event, const std::string& text)
     const auto quality = number_of(text);
     if (event.type == encoding.type && !quality)
         return event;
-    const cv::Mat picture = view(event, {.sixteen_bits = true});
+    const cv::Mat image = view(event, {.sixteen_bits = true});
     Event result = event;
     result.type = encoding.type;
-    result.body = body_of(picture, encoding.word, quality);
+    result.body = body_of(image, encoding.word, quality);
     result.size = result.body.size();
     for (const char* field : {"pixel_format", "stride"})
         result.header.erase(field);
-    result.header.update(encoding.word == "raw" ? raw_header(picture)
-                                                : Json{{"width", picture.cols}, {"height", picture.rows}});
+    result.header.update(encoding.word == "raw" ? raw_header(image)
+                                                : Json{{"width", image.cols}, {"height", image.rows}});
     return result;
 }
 

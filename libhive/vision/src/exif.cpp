@@ -47,12 +47,12 @@ int exif_orientation(std::span<const std::uint8_t> app1) noexcept
     return 1;
 }
 
-cv::Mat upright(const cv::Mat& picture, int orientation)
+cv::Mat upright(const cv::Mat& image, int orientation)
 {
     enum { horizontal = 1, vertical = 0, both = -1 };
-    cv::Mat turned = picture;
+    cv::Mat turned = image;
     if (lies_on_its_side(orientation))
-        cv::transpose(picture, turned);
+        cv::transpose(image, turned);
     switch (orientation) {
     case 2:
     case 6: cv::flip(turned, turned, horizontal); break;

@@ -11,8 +11,8 @@ namespace hive::vision {
 /// The orientation tag (0x0112) of an APP1 segment: 1 to 8; 1 (upright) if it is missing or invalid.
 int exif_orientation(std::span<const std::uint8_t> app1) noexcept;
 
-/// `picture` turned and mirrored so that it stands upright.
-cv::Mat upright(const cv::Mat& picture, int orientation);
+/// `image` turned and mirrored so that it stands upright.
+cv::Mat upright(const cv::Mat& image, int orientation);
 
 /// Does the orientation exchange width and height?
 inline bool lies_on_its_side(int orientation) noexcept { return orientation >= 5; }

@@ -44,7 +44,7 @@ bool stands_alone(std::uint8_t marker)
 
 class Walk {
 public:
-    Walk(Bytes bytes, int most_scans) : bytes_(bytes), most_scans_(most_scans) {}
+    Walk(Bytes bytes, int max_scans) : bytes_(bytes), max_scans_(max_scans) {}
 
     JpegStructure run()
     {
@@ -119,7 +119,7 @@ private:
             throw Error(Errc::unsupported,
                         "JPEG: only baseline, extended and progressive Huffman coding are supported");
         if (inside[0] != 8 || (inside[5] != 1 && inside[5] != 3 && inside[5] != 4))
-            throw Error(Errc::unsupported, "JPEG: only 8 bit grey, colour and CMYK pictures are supported");
+            throw Error(Errc::unsupported, "JPEG: only 8 bit grey, colour and CMYK images are supported");
         found_.height = inside[1] << 8 | inside[2];
         found_.width = inside[3] << 8 | inside[4];
         found_.components = inside[5];
@@ -136,8 +136,8 @@ private:
     {
         if (found_.width == 0)
             malformed("a scan comes before the frame header");
-        if (++found_.scans > most_scans_)
-            throw Error(Errc::too_large, "JPEG: more than " + std::to_string(most_scans_) + " scans");
+        if (++found_.scans > max_scans_)
+            throw Error(Errc::too_large, "JPEG: more than " + std::to_string(max_scans_) + " scans");
         if (!coverage_.add(header, progressive_))
             malformed("a scan header makes no sense");
         while (position_ + 1 < bytes_.size()) {
@@ -154,7 +154,7 @@ private:
     }
 
     Bytes bytes_;
-    int most_scans_;
+    int max_scans_;
     std::size_t position_ = 0;
     JpegStructure found_;
     Bytes components_;  ///< of the frame header: three bytes each, the first is the identifier
@@ -164,6 +164,6 @@ private:
 
 }  // namespace
 
-JpegStructure jpeg_structure(Bytes bytes, int most_scans) { return Walk(bytes, most_scans).run(); }
+JpegStructure jpeg_structure(Bytes bytes, int max_scans) { return Walk(bytes, max_scans).run(); }
 
 }  // namespace hive::vision

@@ -19,7 +19,7 @@ struct JpegStructure {
 
 /// Walks the markers from start to end of image. Throws Errc::malformed if they contradict each other or the end is
 /// missing, Errc::unsupported except for 8 bit Huffman-coded images of one, three or four components, and
-/// Errc::too_large at more than `most_scans` scans.
-JpegStructure jpeg_structure(std::span<const std::uint8_t> bytes, int most_scans);
+/// Errc::too_large at more than `max_scans` scans.
+JpegStructure jpeg_structure(std::span<const std::uint8_t> bytes, int max_scans);
 
 }  // namespace hive::vision

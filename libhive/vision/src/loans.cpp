@@ -8,16 +8,16 @@
 
 namespace hive::vision {
 
-cv::Mat LoanAllocator::picture()
+cv::Mat LoanAllocator::image()
 {
-    cv::Mat picture;
-    picture.allocator = this;
-    return picture;
+    cv::Mat image;
+    image.allocator = this;
+    return image;
 }
 
 cv::Mat LoanAllocator::colour_copy(const cv::Mat& original)
 {
-    cv::Mat copy = picture();
+    cv::Mat copy = image();
     if (original.channels() == 1)
         cv::cvtColor(original, copy, cv::COLOR_GRAY2BGR);
     else
@@ -31,10 +31,10 @@ void LoanAllocator::close()
     lend_ = nullptr;
 }
 
-const Loan* LoanAllocator::loan_of(const cv::Mat& picture)
+const Loan* LoanAllocator::loan_of(const cv::Mat& image)
 {
-    const bool lent = picture.u && dynamic_cast<const LoanAllocator*>(picture.u->currAllocator);
-    return lent ? static_cast<const Loan*>(picture.u->userdata) : nullptr;
+    const bool lent = image.u && dynamic_cast<const LoanAllocator*>(image.u->currAllocator);
+    return lent ? static_cast<const Loan*>(image.u->userdata) : nullptr;
 }
 
 /// If this throws, OpenCV uses ordinary memory.

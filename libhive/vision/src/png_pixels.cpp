@@ -21,8 +21,8 @@ constexpr std::array<std::uint8_t, 16> beginning{0x89, 'P', 'N', 'G', '\r', '\n'
 
 /// After the last row libpng inflates all remaining compressed data, up to a thousand bytes per byte. A valid stream
 /// ends within a few.
-constexpr std::size_t most_behind_last_row = 1024;
-constexpr std::size_t most_exif = 64 * 1024;
+constexpr std::size_t max_behind_last_row = 1024;
+constexpr std::size_t max_exif = 64 * 1024;
 constexpr png_uint_32 pixel_chunk = 0x49444154;  // IDAT
 
 [[noreturn]] void malformed(const std::string& text) { throw Error(Errc::malformed, "PNG: " + text); }
@@ -44,7 +44,7 @@ public:
           info_(png_ ? png_create_info_struct(png_) : nullptr)
     {
         if (!info_)
-            throw Error(Errc::failed, "the PNG decoder could not be made");
+            throw Error(Errc::failed, "the PNG decoder could not be created");
         png_set_read_fn(png_, this, &Reading::on_read);
         png_set_user_limits(png_, PNG_UINT_31_MAX, PNG_UINT_31_MAX);  // the caller limits pixels, not sides
         // All but header, palette, transparency, pixels and EXIF are skipped.
@@ -57,7 +57,7 @@ public:
 
     // These return false if libpng failed.
     bool header();
-    bool rows(cv::Mat& picture);  ///< after header()
+    bool rows(cv::Mat& image);  ///< after header()
     [[nodiscard]] PngSize size() const;
     [[nodiscard]] int orientation() const;
     [[nodiscard]] const std::string& problem() const { return problem_; }
@@ -85,7 +85,7 @@ void Reading::on_read(png_structp png, png_bytep to, std::size_t size)
 {
     auto& self = *static_cast<Reading*>(png_get_io_ptr(png));
     if (png_get_io_chunk_type(png) == pixel_chunk && self.has_last_row()
-        && (self.behind_ += size) > most_behind_last_row)
+        && (self.behind_ += size) > max_behind_last_row)
         png_error(png, "more data than its pixels are");
     if (size > self.rest_.size())
         png_error(png, "cut short");
@@ -134,26 +134,26 @@ int Reading::orientation() const
 {
     png_uint_32 size = 0;
     png_bytep exif = nullptr;
-    if (png_get_eXIf_1(png_, info_, &size, &exif) == 0 || size > most_exif)
+    if (png_get_eXIf_1(png_, info_, &size, &exif) == 0 || size > max_exif)
         return 1;
     std::vector<std::uint8_t> marked{'E', 'x', 'i', 'f', 0, 0};
     marked.insert(marked.end(), exif, exif + size);
     return exif_orientation(marked);
 }
 
-bool Reading::rows(cv::Mat& picture)
+bool Reading::rows(cv::Mat& image)
 {
     if (setjmp(png_jmpbuf(png_)) != 0)
         return false;
     as_bgr();
     const int passes = png_set_interlace_handling(png_);
     png_read_update_info(png_, info_);
-    if (png_get_rowbytes(png_, info_) != static_cast<std::size_t>(picture.cols) * 3
-        || png_get_image_height(png_, info_) != static_cast<png_uint_32>(picture.rows))
+    if (png_get_rowbytes(png_, info_) != static_cast<std::size_t>(image.cols) * 3
+        || png_get_image_height(png_, info_) != static_cast<png_uint_32>(image.rows))
         png_error(png_, "rows of another size than in its header");
     for (int pass = 0; pass < passes; ++pass)
-        for (int y = 0; y < picture.rows; ++y)
-            png_read_row(png_, picture.ptr(y), nullptr);
+        for (int y = 0; y < image.rows; ++y)
+            png_read_row(png_, image.ptr(y), nullptr);
     png_read_end(png_, info_);
     return true;
 }
@@ -168,10 +168,10 @@ PngSize png_size(std::span<const std::uint8_t> bytes)
     return reading.size();
 }
 
-int read_png(std::span<const std::uint8_t> bytes, cv::Mat& picture)
+int read_png(std::span<const std::uint8_t> bytes, cv::Mat& image)
 {
     Reading reading(bytes);
-    if (!reading.header() || !reading.rows(picture))
+    if (!reading.header() || !reading.rows(image))
         malformed(reading.problem());
     return reading.orientation();
 }

@@ -35,12 +35,12 @@ public:
     Writing& operator=(const Writing&) = delete;
 
     /// False if libpng failed.
-    bool rows(const cv::Mat& picture);
+    bool rows(const cv::Mat& image);
     [[nodiscard]] std::vector<unsigned char> take_bytes() { return std::move(bytes_); }
     [[nodiscard]] const std::string& problem() const { return problem_; }
 
 private:
-    void header(const cv::Mat& picture);
+    void header(const cv::Mat& image);
     [[nodiscard]] bool append(png_const_bytep from, std::size_t size) noexcept;
     [[noreturn]] static void on_error(png_structp png, png_const_charp text);
     static void on_write(png_structp png, png_bytep from, std::size_t size);
@@ -72,14 +72,14 @@ try {
 }
 
 /// Fast rather than small, as cv::imencode.
-void Writing::header(const cv::Mat& picture)
+void Writing::header(const cv::Mat& image)
 {
-    const bool grey = picture.channels() == 1;
-    const int bits = picture.depth() == CV_16U ? 16 : 8;
+    const bool grey = image.channels() == 1;
+    const int bits = image.depth() == CV_16U ? 16 : 8;
     png_set_filter(png_, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB);
     png_set_compression_level(png_, best_speed);
     png_set_compression_strategy(png_, run_lengths);
-    png_set_IHDR(png_, info_, static_cast<png_uint_32>(picture.cols), static_cast<png_uint_32>(picture.rows), bits,
+    png_set_IHDR(png_, info_, static_cast<png_uint_32>(image.cols), static_cast<png_uint_32>(image.rows), bits,
                  grey ? PNG_COLOR_TYPE_GRAY : PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
                  PNG_FILTER_TYPE_DEFAULT);
     png_write_info(png_, info_);
@@ -88,23 +88,23 @@ void Writing::header(const cv::Mat& picture)
         png_set_swap(png_);
 }
 
-bool Writing::rows(const cv::Mat& picture)
+bool Writing::rows(const cv::Mat& image)
 {
     if (setjmp(png_jmpbuf(png_)) != 0)
         return false;
-    header(picture);
-    for (int y = 0; y < picture.rows; ++y)
-        png_write_row(png_, picture.ptr(y));
+    header(image);
+    for (int y = 0; y < image.rows; ++y)
+        png_write_row(png_, image.ptr(y));
     png_write_end(png_, info_);
     return true;
 }
 
 }  // namespace
 
-std::vector<unsigned char> write_png(const cv::Mat& picture)
+std::vector<unsigned char> write_png(const cv::Mat& image)
 {
     Writing writing;
-    if (!writing.rows(picture))
+    if (!writing.rows(image))
         throw Error(Errc::failed, "PNG: " + writing.problem());
     return writing.take_bytes();
 }

@@ -14,8 +14,8 @@ namespace {
 
 constexpr std::int64_t longest_side = 1 << 20;
 constexpr std::int64_t longest_row = std::int64_t{1} << 31;
-constexpr std::int64_t most_bytes = 64 << 20;  ///< of a body (SPEC.md, section 3)
-constexpr int quality_of_large_pictures = 90;
+constexpr std::int64_t max_bytes = 64 << 20;  ///< of a body (SPEC.md, section 3)
+constexpr int quality_of_large_images = 90;
 
 /// OpenCV's type of a pixel, and its name.
 struct PixelFormat {
@@ -50,7 +50,7 @@ void require_usable(const PixelFormat& format, const DecodeLimits& limits)
     const bool usable = CV_MAT_DEPTH(format.type) == CV_8U || (format.type == CV_16UC1 && limits.sixteen_bits);
     if (!usable)
         throw Error(Errc::unsupported,
-                    std::string("this drone works on pictures of 8 bits, and this one is ") + format.word
+                    std::string("this drone accepts only 8 bit images, not ") + format.word
                         + (CV_MAT_DEPTH(format.type) == CV_16U
                                ? "; let its sender emit the upper 8 bits of each value"
                                : "; let its sender scale the values to 0 to 255 and emit them as 8 bits"));
@@ -108,20 +108,20 @@ cv::Size raw_size(const Body& body, const Json& header, const DecodeLimits& limi
     return {raw.width, raw.height};
 }
 
-Json raw_header(const cv::Mat& picture, Json header)
+Json raw_header(const cv::Mat& image, Json header)
 {
-    header.update(raw_fields(picture.size(), picture.type()));
+    header.update(raw_fields(image.size(), image.type()));
     return header;
 }
 
-Body encode_raw(const cv::Mat& picture)
+Body encode_raw(const cv::Mat& image)
 {
-    raw_header(picture);  // refuses formats that image/raw does not have
-    const Loan* loan = LoanAllocator::loan_of(picture);
-    if (loan && picture.isContinuous() && picture.data == loan->data())
-        return Loan(*loan).body(picture.total() * picture.elemSize());
+    raw_header(image);  // refuses formats that image/raw does not have
+    const Loan* loan = LoanAllocator::loan_of(image);
+    if (loan && image.isContinuous() && image.data == loan->data())
+        return Loan(*loan).body(image.total() * image.elemSize());
     // A part of a loan is also copied: the body may outlive the allocator.
-    auto owner = std::make_shared<const cv::Mat>(picture.isContinuous() && !loan ? picture : picture.clone());
+    auto owner = std::make_shared<const cv::Mat>(image.isContinuous() && !loan ? image : image.clone());
     const std::span pixels(owner->data, owner->total() * owner->elemSize());
     return {std::as_bytes(pixels), std::move(owner)};
 }
@@ -129,16 +129,16 @@ Body encode_raw(const cv::Mat& picture)
 PlainForm plain_form(cv::Size size, int channels, int bits)
 {
     const int type = CV_MAKETYPE(bits == 16 ? CV_16U : CV_8U, channels);
-    if (std::int64_t{size.width} * size.height * CV_ELEM_SIZE(type) <= most_bytes)
+    if (std::int64_t{size.width} * size.height * CV_ELEM_SIZE(type) <= max_bytes)
         return {"image/raw", raw_fields(size, type)};
     return {bits == 16 ? "image/png" : "image/jpeg", {{"width", size.width}, {"height", size.height}}};
 }
 
-Body PlainForm::body(const cv::Mat& picture) const
+Body PlainForm::body(const cv::Mat& image) const
 {
     if (type == "image/png")
-        return encode_png(picture);
-    return type == "image/raw" ? encode_raw(picture) : encode_jpeg(picture, quality_of_large_pictures);
+        return encode_png(image);
+    return type == "image/raw" ? encode_raw(image) : encode_jpeg(image, quality_of_large_images);
 }
 
 }  // namespace hive::vision

@@ -17,60 +17,59 @@ namespace {
 const cv::Vec3b black(0, 0, 0), green(60, 220, 60);
 
 cv::Mat drawn(const Marks& marks, const Drawing& drawing = {},
-              const cv::Mat& picture = cv::Mat(200, 300, CV_8UC3, cv::Scalar::all(0)))
+              const cv::Mat& image = cv::Mat(200, 300, CV_8UC3, cv::Scalar::all(0)))
 {
     cv::Mat result;
-    drawing.draw(picture, marks, result);
+    drawing.draw(image, marks, result);
     return result;
 }
 
-cv::Vec3b at(const cv::Mat& picture, int x, int y) { return picture.at<cv::Vec3b>(y, x); }
+cv::Vec3b at(const cv::Mat& image, int x, int y) { return image.at<cv::Vec3b>(y, x); }
 
 cv::Vec3b bytes(const cv::Scalar& colour)
 {
     return {static_cast<uchar>(colour[0]), static_cast<uchar>(colour[1]), static_cast<uchar>(colour[2])};
 }
 
-/// Pixels that are not black, in a part of the picture.
-int lit(const cv::Mat& picture, const cv::Rect& part)
+/// Pixels that are not black, in a part of the image.
+int lit(const cv::Mat& image, const cv::Rect& part)
 {
     int count = 0;
     for (int y = part.y; y < part.br().y; ++y)
         for (int x = part.x; x < part.br().x; ++x)
-            count += at(picture, x, y) != black;
+            count += at(image, x, y) != black;
     return count;
 }
 
 }  // namespace
 
-TEST_CASE("drawing: a box is framed and nothing else is touched, nor is the picture that came in")
+TEST_CASE("drawing: a box is framed and nothing else is touched, nor is the image that came in")
 {
     const cv::Mat before(200, 300, CV_8UC3, cv::Scalar::all(0));
-    const auto picture = drawn({.all = {{.box = {100, 50, 80, 60}}}}, {}, before);
-    CHECK(at(picture, 100, 80) == green);
-    CHECK(at(picture, 140, 50) == green);
-    CHECK(at(picture, 140, 80) == black);
-    CHECK(at(picture, 90, 80) == black);
-    CHECK(at(picture, 200, 80) == black);
+    const auto image = drawn({.all = {{.box = {100, 50, 80, 60}}}}, {}, before);
+    CHECK(at(image, 100, 80) == green);
+    CHECK(at(image, 140, 50) == green);
+    CHECK(at(image, 140, 80) == black);
+    CHECK(at(image, 90, 80) == black);
+    CHECK(at(image, 200, 80) == black);
     CHECK(lit(before, {0, 0, 300, 200}) == 0);
 }
 
-TEST_CASE("drawing: without marks the picture stays as it is, a grey one becomes BGR")
+TEST_CASE("drawing: without marks the image stays as it is, a grey one becomes BGR")
 {
     CHECK(lit(drawn({}), {0, 0, 300, 200}) == 0);
-    const auto picture =
-        drawn({.all = {{.box = {100, 50, 80, 60}}}}, {}, cv::Mat(200, 300, CV_8UC1, cv::Scalar::all(9)));
-    CHECK(picture.type() == CV_8UC3);
-    CHECK(at(picture, 140, 80) == cv::Vec3b(9, 9, 9));
-    CHECK(at(picture, 100, 80) == green);
+    const auto image = drawn({.all = {{.box = {100, 50, 80, 60}}}}, {}, cv::Mat(200, 300, CV_8UC1, cv::Scalar::all(9)));
+    CHECK(image.type() == CV_8UC3);
+    CHECK(at(image, 140, 80) == cv::Vec3b(9, 9, 9));
+    CHECK(at(image, 100, 80) == green);
 }
 
-TEST_CASE("drawing: marks of a picture of another size are drawn where they belong")
+TEST_CASE("drawing: marks of an image of another size are drawn where they belong")
 {
-    const auto picture = drawn({.all = {{.box = {200, 100, 160, 120}}}, .seen = {600, 400}});
-    CHECK(at(picture, 100, 80) == green);
-    CHECK(at(picture, 140, 50) == green);
-    CHECK(at(picture, 200, 100) == black);
+    const auto image = drawn({.all = {{.box = {200, 100, 160, 120}}}, .seen = {600, 400}});
+    CHECK(at(image, 100, 80) == green);
+    CHECK(at(image, 140, 50) == green);
+    CHECK(at(image, 200, 100) == black);
 }
 
 TEST_CASE("drawing: the thickness is that of the lines")
@@ -97,15 +96,15 @@ TEST_CASE(
     CHECK(lit(drawn({.all = {high}}, bare), inside) == 0);
 }
 
-TEST_CASE("drawing: in small pictures labels take less and less room, and never most of the picture or of their box")
+TEST_CASE("drawing: in small images labels take less and less room, and never most of the image or of their box")
 {
     const auto plate = [](cv::Size size, const std::string& label, const cv::Rect2d& box) {
         Drawing bare;
         bare.labels = false;
-        const cv::Mat picture(size, CV_8UC3, cv::Scalar::all(0));
+        const cv::Mat image(size, CV_8UC3, cv::Scalar::all(0));
         const Marks marks{.all = {{.box = box, .label = label}}};
         cv::Mat changed;
-        cv::absdiff(drawn(marks, {}, picture), drawn(marks, bare, picture), changed);
+        cv::absdiff(drawn(marks, {}, image), drawn(marks, bare, image), changed);
         cv::Mat points;
         cv::findNonZero(changed.reshape(1) > 0, points);
         return points.empty() ? cv::Rect() : cv::boundingRect(points);
@@ -124,22 +123,22 @@ TEST_CASE("drawing: in small pictures labels take less and less room, and never 
     CHECK_FALSE(plate({640, 480}, label, {200, 2, 60, 200}).empty());
 }
 
-TEST_CASE("drawing: a label at the right edge is moved into the picture")
+TEST_CASE("drawing: a label at the right edge is moved into the image")
 {
-    const auto picture = drawn({.all = {{.box = {290, 100, 8, 8}, .label = "somebody"}}});
-    CHECK(lit(picture, {230, 80, 40, 18}) > 400);
+    const auto image = drawn({.all = {{.box = {290, 100, 8, 8}, .label = "somebody"}}});
+    CHECK(lit(image, {230, 80, 40, 18}) > 400);
 }
 
 TEST_CASE(
-    "drawing: labels stand beside each other where their boxes overlap, on top of all lines, and only at boxes in "
-    "the picture")
+    "drawing: labels stand next to each other where their boxes overlap, on top of all lines, and only at boxes in "
+    "the image")
 {
     const Mark one{.box = {100, 100, 80, 60}, .coloured_by = "1", .label = "first"},
         other{.box = {105, 103, 80, 60}, .coloured_by = "2", .label = "other"};
-    const auto colours = [](const cv::Mat& picture, const cv::Rect& part, const std::string& id) {
+    const auto colours = [](const cv::Mat& image, const cv::Rect& part, const std::string& id) {
         cv::Mat found;
         const auto colour = Drawing::colour_of(id);
-        cv::inRange(picture(part), colour, colour, found);
+        cv::inRange(image(part), colour, colour, found);
         return cv::countNonZero(found);
     };
     const cv::Rect above(95, 75, 110, 25);
@@ -155,9 +154,9 @@ TEST_CASE(
 TEST_CASE("drawing: letters are white on a dark colour")
 {
     const auto whitest = [](const char* id) {
-        const auto picture = drawn({.all = {{.box = {100, 100, 80, 60}, .coloured_by = id, .label = "MMMM"}}});
+        const auto image = drawn({.all = {{.box = {100, 100, 80, 60}, .coloured_by = id, .label = "MMMM"}}});
         cv::Mat found;
-        cv::inRange(picture(cv::Rect(100, 75, 80, 25)), cv::Scalar::all(200), cv::Scalar::all(255), found);
+        cv::inRange(image(cv::Rect(100, 75, 80, 25)), cv::Scalar::all(200), cv::Scalar::all(255), found);
         return cv::countNonZero(found);
     };
     CHECK(whitest("7") > 10);  // blue
@@ -176,10 +175,10 @@ TEST_CASE("drawing: dots are small in a small box")
 TEST_CASE("drawing: a line of a zone is seen in a white image, too")
 {
     const cv::Mat white(200, 300, CV_8UC3, cv::Scalar::all(255));
-    const auto picture = drawn({.regions = {{{{0.1, 0.5}, {0.4, 0.5}, {0.4, 0.9}}, "", true}}}, {}, white);
+    const auto image = drawn({.regions = {{{{0.1, 0.5}, {0.4, 0.5}, {0.4, 0.9}}, "", true}}}, {}, white);
     int darkest = 255;
     for (int y = 95; y < 105; ++y)
-        darkest = std::min<int>(darkest, at(picture, 75, y)[1]);
+        darkest = std::min<int>(darkest, at(image, 75, y)[1]);
     CHECK(darkest < 100);
 }
 
@@ -190,8 +189,8 @@ TEST_CASE("drawing: a trail is an open line, a hull a closed one, fingers are do
         return drawn({.all = {{.box = {250, 150, 10, 10}, .shapes = {{form, corners}}}}});
     };
     const auto trail = shaped(Shape::Form::line), hull = shaped(Shape::Form::outline), dots = shaped(Shape::Form::dots);
-    for (const auto* picture : {&trail, &hull})
-        CHECK(at(*picture, 50, 20) == green);
+    for (const auto* image : {&trail, &hull})
+        CHECK(at(*image, 50, 20) == green);
     CHECK(at(trail, 20, 50) == black);
     CHECK(at(hull, 20, 50) == green);
     CHECK(at(dots, 20, 20) == green);
@@ -222,8 +221,8 @@ TEST_CASE("drawing: a track keeps its colour, and twenty tracks have at least ei
         colours.emplace(colour[0], colour[1], colour[2]);
     }
     CHECK(colours.size() >= 18);
-    const auto picture = drawn({.all = {{.box = {100, 50, 80, 60}, .coloured_by = "7"}}});
-    CHECK(at(picture, 100, 80) == bytes(Drawing::colour_of("7")));
+    const auto image = drawn({.all = {{.box = {100, 50, 80, 60}, .coloured_by = "7"}}});
+    CHECK(at(image, 100, 80) == bytes(Drawing::colour_of("7")));
     CHECK(bytes(Drawing::colour_of("")) == green);
 }
 
@@ -247,9 +246,9 @@ TEST_CASE("drawing: lines are wider in larger images")
 TEST_CASE("drawing: letters are larger in larger images, up to 4K")
 {
     const auto lit_above = [](cv::Size size) {
-        const cv::Mat picture(size, CV_8UC3, cv::Scalar::all(0));
+        const cv::Mat image(size, CV_8UC3, cv::Scalar::all(0));
         const Mark mark{.box = {100, size.height / 2.0, 50, 50}, .label = "person"};
-        return lit(drawn({.all = {mark}}, {}, picture), {100, 0, size.width - 100, size.height / 2 - 10});
+        return lit(drawn({.all = {mark}}, {}, image), {100, 0, size.width - 100, size.height / 2 - 10});
     };
     CHECK(lit_above({1920, 1080}) > 3 * lit_above({960, 540}));
     CHECK(lit_above({3840, 2160}) > 3 * lit_above({1920, 1080}));
@@ -272,13 +271,13 @@ TEST_CASE("drawing: an uncertain mark is dashed, left out or solid")
 
 TEST_CASE("drawing: zones are outlines, lines have an arrow to their right")
 {
-    const auto picture = drawn({.regions = {{{{0.1, 0.5}, {0.4, 0.5}, {0.4, 0.9}, {0.1, 0.9}}, "", true},
-                                            {{{0.5, 0.3}, {0.9, 0.3}}, "", false}}});
-    CHECK(at(picture, 75, 100) == cv::Vec3b(235, 235, 235));
-    CHECK(at(picture, 75, 140) == black);
-    CHECK(at(picture, 200, 60) == cv::Vec3b(0, 220, 255));
-    CHECK(lit(picture, {190, 62, 40, 10}) > 5);
-    CHECK(lit(picture, {190, 40, 40, 18}) == 0);
+    const auto image = drawn({.regions = {{{{0.1, 0.5}, {0.4, 0.5}, {0.4, 0.9}, {0.1, 0.9}}, "", true},
+                                          {{{0.5, 0.3}, {0.9, 0.3}}, "", false}}});
+    CHECK(at(image, 75, 100) == cv::Vec3b(235, 235, 235));
+    CHECK(at(image, 75, 140) == black);
+    CHECK(at(image, 200, 60) == cv::Vec3b(0, 220, 255));
+    CHECK(lit(image, {190, 62, 40, 10}) > 5);
+    CHECK(lit(image, {190, 40, 40, 18}) == 0);
 }
 
 TEST_CASE("drawing: what lies outside, or is turned inside out, harms nothing")
@@ -291,8 +290,8 @@ TEST_CASE("drawing: what lies outside, or is turned inside out, harms nothing")
                                .shapes = {{Shape::Form::outline, {{-far, 5}, {far, 7}}}}},
                               {.box = {50, 50, -20, -20}, .label = "inside out"},
                               {.box = {10, 10, 0, 0}, .shapes = {{Shape::Form::line, {{1, 1}}}}}}};
-    const auto picture = drawn(marks);
-    CHECK(picture.size() == cv::Size(300, 200));
-    CHECK(lit(picture, {100, 0, 100, 20}) > 0);  // the line from one side to the other
+    const auto image = drawn(marks);
+    CHECK(image.size() == cv::Size(300, 200));
+    CHECK(lit(image, {100, 0, 100, 20}) > 0);  // the line from one side to the other
     CHECK(lit(drawn(marks, {}, cv::Mat(1, 1, CV_8UC3, cv::Scalar::all(0))), {0, 0, 1, 1}) >= 0);
 }

@@ -1,4 +1,4 @@
-// Marks out of headers that anybody may have written.
+// Reads marks from untrusted headers.
 #include <marks.hpp>
 
 #include <doctest/doctest.h>
@@ -36,7 +36,7 @@ json example()
 
 }  // namespace
 
-TEST_CASE("marks: what the face drone sends gives its boxes and the size of its picture")
+TEST_CASE("marks: what the face drone sends gives its boxes and the size of its image")
 {
     const auto marks = marks_in({{"faces", {box, box}}, {"width", 640}, {"height", 480}});
     REQUIRE(marks.all.size() == 2);
@@ -53,7 +53,7 @@ TEST_CASE("marks: every field that holds boxes is taken, an object alone as well
     CHECK(marks.seen.empty());
 }
 
-TEST_CASE("marks: the label says class, id, score and speed")
+TEST_CASE("marks: the label has class, id, score and speed")
 {
     const auto marks = marks_in(with({{"class", "person"}, {"id", 3}, {"score", 0.874}, {"speed", 12.4}}));
     REQUIRE(marks.all.size() == 1);
@@ -70,7 +70,7 @@ TEST_CASE("marks: a label is at most 48 characters of printable ASCII")
     CHECK(marks_in(with({{"class", std::string(10'000, 'x')}})).all[0].label.size() == 48);
 }
 
-TEST_CASE("marks: arrays of points are shapes, in both ways of writing them; what is no point is no shape")
+TEST_CASE("marks: arrays of points are shapes, in both ways of writing them; others are ignored")
 {
     const auto mark = marks_in(with({{"trail", {{1, 2}, {3, 4}}},
                                      {"hull", {{{"x", 1}, {"y", 2}}, {{"x", 3}, {"y", 4}}, {{"x", 5}, {"y", 6}}}},
@@ -102,7 +102,7 @@ TEST_CASE("marks: the masks, oriented boxes and keypoints of detect are areas, o
     CHECK(marks_in(with({{"mask", square}})).all.at(0).framed);
 }
 
-TEST_CASE("marks: what has no place, or an impossible one, is no mark")
+TEST_CASE("marks: objects without a valid box are ignored")
 {
     for (const json& value :
          {json(nullptr), json(1), json("x"), json::array(), json{{"x", 1}, {"y", 2}, {"w", 3}},
@@ -136,7 +136,7 @@ TEST_CASE("marks: zones and lines are regions with their counts; other values ar
         CHECK(marks_in({{"zones", {{{"name", "a"}, {"points", points}}, 7}}, {"lines", "x"}}).regions.empty());
 }
 
-TEST_CASE("marks: the example on the drone's page is read as the page says")
+TEST_CASE("marks: the example on the drone's page is read as described there")
 {
     const auto marks = marks_in(example().at("marks"));
     REQUIRE(marks.all.size() == 1);

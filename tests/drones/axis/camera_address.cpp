@@ -1,4 +1,4 @@
-// Where a camera may be, and who may log in there.
+// Allowed camera URLs and addresses, and logins.
 #include "address_rule.hpp"
 #include "camera_url.hpp"
 #include "credentials.hpp"
@@ -69,7 +69,7 @@ TEST_CASE("url: scheme, host and port")
     CHECK(parse_camera_url("https://x").encrypted());
 }
 
-TEST_CASE("url: what is no place of a camera is refused with a reason, and a password in it is not repeated")
+TEST_CASE("url: an invalid camera URL is refused with a reason that omits its password")
 {
     for (const char* url :
          {"", "192.0.2.10", "ftp://x", "file:///etc/passwd", "http://", "http://:80", "http://x:0", "http://x:99999",
@@ -108,21 +108,21 @@ TEST_CASE("addresses: this machine, its neighbours and groups are refused, in ev
     CHECK_THROWS_AS(AddressRule("127.0.0.1,,"), std::invalid_argument);
 }
 
-TEST_CASE("addresses: what is no internet address at all is refused")
+TEST_CASE("addresses: an invalid address is refused")
 {
     sockaddr unknown{};
     unknown.sa_family = AF_UNIX;
     CHECK_FALSE(AddressRule().allows(unknown));
 }
 
-TEST_CASE("certificate: a file that is not there or has none is refused by its name")
+TEST_CASE("certificate: a missing file, or one without a certificate, is refused by name")
 {
     CHECK_NOTHROW(check_certificate(""));
     CHECK_NOTHROW(check_certificate(
         File("of the door\n-----BEGIN CERTIFICATE-----\nMIIB\n-----END CERTIFICATE-----\n", 0644).path));
-    CHECK_THROWS_WITH_AS(check_certificate("/nowhere/at/all"), "certificate: there is no file /nowhere/at/all",
+    CHECK_THROWS_WITH_AS(check_certificate("/nowhere/at/all"), "certificate: no such file: /nowhere/at/all",
                          std::runtime_error);
-    CHECK_THROWS_WITH_AS(check_certificate("/tmp"), doctest::Contains("no file /tmp"), std::runtime_error);
+    CHECK_THROWS_WITH_AS(check_certificate("/tmp"), doctest::Contains("no such file: /tmp"), std::runtime_error);
     const File key("-----BEGIN PRIVATE KEY-----\n", 0600), empty("", 0600);
     for (const auto* file : {&key, &empty})
         CHECK_THROWS_WITH_AS(check_certificate(file->path),

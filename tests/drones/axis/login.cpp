@@ -11,7 +11,7 @@ using namespace stage;
 using namespace std::chrono_literals;
 
 TEST_CASE(
-    "axis login: pictures come with no login, basic, and digest with and without qop or with nonces that grow stale")
+    "axis login: images come with no login, basic, and digest with and without qop or with nonces that grow stale")
 {
     const Swarm swarm;
     const EmulatedCamera camera(swarm);
@@ -19,21 +19,21 @@ TEST_CASE(
     const auto drone = axis_drone(swarm, camera, {"credentials=" + file, "basic_over_http=on", "resolution=320x240"});
     auto application = swarm.application();
     const auto collector = application.collect({{"axis", "image"}});
-    take_pictures(*collector, 2);
+    take_images(*collector, 2);
     for (const std::string words :
          {"auth=basic", "auth=digest", "auth=digest&qop=off", "auth=basic_digest&qop=on", "auth=digest&nonce_uses=1"}) {
         CAPTURE(words);
         camera.behave(words);
-        application.set("axis", {{"allow_address", "127.0.0.1,::1"}});  // another link, which logs in anew
+        application.set("axis", {{"allow_address", "127.0.0.1,::1"}});  // another link, which logs in again
         REQUIRE(comes_to_say(application, ""));
-        take_pictures(*collector, 3);
+        take_images(*collector, 3);
         CHECK(application.set("axis", {{"brightness", 60}}) == hive::Json{{"brightness", 60}});
         application.set("axis", {{"allow_address", "127.0.0.1"}, {"brightness", -1}});
     }
     CHECK(camera.count("wrong_logins") == 0);
 }
 
-TEST_CASE("axis login: a wrong password is tried three times, told, and not tried again until the file has another")
+TEST_CASE("axis login: a wrong password is tried three times, reported, and not retried until the file changes")
 {
     const Swarm swarm;
     const EmulatedCamera camera(swarm, {"auth=basic_digest"});
@@ -51,7 +51,7 @@ TEST_CASE("axis login: a wrong password is tried three times, told, and not trie
     CHECK(camera.count("wrong_logins") == 3);
     CHECK(camera.count("connections") == connections);
     credentials_file(swarm, "root:pass");
-    take_pictures(*collector, 2);
+    take_images(*collector, 2);
     CHECK(comes_to_say(application, ""));
     CHECK(camera.count("wrong_logins") == 3);
 }
@@ -103,21 +103,21 @@ TEST_CASE("axis login: over http a password is not sent readable unless that is 
     CHECK(camera.count("wrong_logins") == 0);
 }
 
-TEST_CASE("axis login: a camera that wants one and a drone that has none say so; the environment can have one")
+TEST_CASE("axis login: a required and missing login is reported; the environment can supply it")
 {
     const Swarm swarm;
     const EmulatedCamera camera(swarm, {"auth=digest"});
     auto application = swarm.application();
     {
         const auto drone = axis_drone(swarm, camera);
-        CHECK(comes_to_say(application, "auth_failed: the camera asks for a login"));
+        CHECK(comes_to_say(application, "auth_failed: login required"));
     }
     const auto drone = axis_drone(swarm, camera, {}, {"HIVE_AXIS_USER=root", "HIVE_AXIS_PASSWORD=pass"});
     CHECK(comes_to_say(application, ""));
-    take_pictures(*application.collect({{"axis", "image"}}), 1);
+    take_images(*application.collect({{"axis", "image"}}), 1);
 }
 
-TEST_CASE("axis login: half a login in the environment is not tried; the drone says what is missing and does not start")
+TEST_CASE("axis login: half a login in the environment is refused at the start, with the missing variable")
 {
     const Swarm swarm;
     const EmulatedCamera camera(swarm, {"auth=digest"});
@@ -136,7 +136,7 @@ TEST_CASE("axis login: a password is neither on a command line nor in the log no
     const EmulatedCamera camera(swarm, {"auth=digest", "credentials=" + credentials_file(swarm, "root:hush-hush")});
     const auto drone = axis_drone(swarm, camera, {"credentials=" + credentials_file(swarm, "root:hush-hush")});
     auto application = swarm.application();
-    take_pictures(*application.collect({{"axis", "image"}}), 1);
+    take_images(*application.collect({{"axis", "image"}}), 1);
     const auto refused = swarm.hivectl({"set", "axis", "url=http://root:hush-hush@127.0.0.1"});
     CHECK(refused.exit_code != 0);
     CHECK(has(refused.err, "credentials"));
@@ -151,7 +151,7 @@ TEST_CASE("axis login: a password is neither on a command line nor in the log no
     CHECK_FALSE(has(text_of(swarm.home() / "axis.state"), "hush-hush"));
 }
 
-TEST_CASE("axis login: a file of credentials that others can read is refused, and the camera goes on as before")
+TEST_CASE("axis login: a credentials file that others can read is refused, and the old camera continues")
 {
     const Swarm swarm;
     const EmulatedCamera camera(swarm);
@@ -162,7 +162,7 @@ TEST_CASE("axis login: a file of credentials that others can read is refused, an
     CHECK(refused.exit_code != 0);
     CHECK(has(refused.err, "chmod 600"));
     auto application = swarm.application();
-    take_pictures(*application.collect({{"axis", "image"}}), 1);
+    take_images(*application.collect({{"axis", "image"}}), 1);
 }
 
 TEST_CASE("axis login: a set sends it to no other camera than the one that it was given for")
@@ -172,7 +172,7 @@ TEST_CASE("axis login: a set sends it to no other camera than the one that it wa
     const auto file = credentials_file(swarm, "root:pass");
     const auto drone = axis_drone(swarm, camera, {"credentials=" + file});
     auto application = swarm.application();
-    take_pictures(*application.collect({{"axis", "image"}}), 1);
+    take_images(*application.collect({{"axis", "image"}}), 1);
     const Swarm elsewhere;
     const EmulatedCamera thief(elsewhere, {"auth=basic"});
     const auto other_login = credentials_file(elsewhere, "admin:another");

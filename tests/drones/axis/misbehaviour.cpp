@@ -1,4 +1,4 @@
-// Everything that a camera can do wrong: no crash, no broken picture, a condition that says what it is, and pictures
+// Everything that a camera can do wrong: no crash, no broken image, a condition that says what it is, and images
 // again afterwards.
 #include "stage.hpp"
 
@@ -21,12 +21,12 @@ void suffer(const EmulatedCamera& camera, hive::Application& application, hive::
     CHECK(comes_to_say(application, collector, wrong.condition, 8000ms));
     camera.behave(wrong.undone);
     CHECK(comes_to_say(application, collector, "", 12'000ms));
-    take_pictures(collector, 3);
+    take_images(collector, 3);
 }
 
 }  // namespace
 
-TEST_CASE("axis misbehaviour: answers that are no pictures are told by their kind")
+TEST_CASE("axis misbehaviour: answers other than images are reported by their type")
 {
     const Swarm swarm;
     const EmulatedCamera camera(swarm, {"close_after=5"});  // so that every behaviour is met soon
@@ -45,7 +45,7 @@ TEST_CASE("axis misbehaviour: answers that are no pictures are told by their kin
     CHECK(has(swarm.log("axis"), "answers with status 503"));
 }
 
-TEST_CASE("axis misbehaviour: broken streams give no broken picture")
+TEST_CASE("axis misbehaviour: broken streams give no broken image")
 {
     const Swarm swarm;
     const EmulatedCamera camera(swarm, {"close_after=10"});
@@ -77,25 +77,24 @@ TEST_CASE("axis misbehaviour: quirks of streams cost nothing")
                                     "line_end=lf", "garbage=on&length=right", "length=text&garbage=off"}) {
         CAPTURE(words);
         camera.behave(words);
-        take_pictures(*collector, 10);
+        take_images(*collector, 10);
     }
 }
 
-TEST_CASE(
-    "axis misbehaviour: streams that are cut in the middle of a picture, again and again, give whole pictures only")
+TEST_CASE("axis misbehaviour: streams that are cut in the middle of an image, again and again, give whole images only")
 {
     const Swarm swarm;
     const EmulatedCamera camera(swarm, {"cut_after=3", "fps=50"});
     const auto drone = axis_drone(swarm, camera, {"resolution=320x240"});
     auto application = swarm.application();
     const auto collector = application.collect({{"axis", "image"}});
-    take_pictures(*collector, 9);
+    take_images(*collector, 9);
     camera.behave("length=missing");
-    take_pictures(*collector, 9);
+    take_images(*collector, 9);
     CHECK(camera.count("pictures") >= 18 + 4);  // those that were cut were begun
 }
 
-TEST_CASE("axis misbehaviour: an address that nobody has allowed is not connected to")
+TEST_CASE("axis misbehaviour: no connection to an address that is not allowed")
 {
     const Swarm swarm;
     const EmulatedCamera camera(swarm);
@@ -107,7 +106,7 @@ TEST_CASE("axis misbehaviour: an address that nobody has allowed is not connecte
     CHECK(camera.count("connections") == 0);
 }
 
-TEST_CASE("axis misbehaviour: a single picture that is cut or is none is not passed on; the next one is")
+TEST_CASE("axis misbehaviour: a truncated or invalid single image is dropped; the next one is forwarded")
 {
     const Swarm swarm;
     const EmulatedCamera camera(swarm);
@@ -115,7 +114,7 @@ TEST_CASE("axis misbehaviour: a single picture that is cut or is none is not pas
     auto application = swarm.application();
     const auto collector =
         application.collect({{"axis", "image"}}, {.connection = {.window = 1, .group = {}, .lease = {}}});
-    take_pictures(*collector, 3);
+    take_images(*collector, 3);
     for (const Wrong& wrong : {Wrong{"truncated=on", "truncated=off", "no complete image: it is cut short"},
                                {"html=on", "html=off", "not an image: the camera sends text/html"}})
         suffer(camera, application, *collector, wrong);

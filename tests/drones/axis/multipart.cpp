@@ -1,6 +1,6 @@
-// Streams of pictures in every form that cameras write, in pieces of every size.
+// Streams of images in every form that cameras write, in pieces of every size.
 #include "multipart.hpp"
-#include "trouble.hpp"
+#include "camera_error.hpp"
 
 #include <doctest/doctest.h>
 
@@ -8,8 +8,8 @@
 
 namespace {
 
+using axis::Failure;
 using axis::MultipartReader;
-using axis::Trouble;
 using Texts = std::vector<std::string>;
 
 const std::string one = "\xFF\xD8one\r\n--mybound\xFF\xD9", two = "\xFF\xD8 two \n\n\xFF\xD9";
@@ -49,14 +49,14 @@ void check_parts(const std::string& stream, const Texts& expected, const std::st
         CHECK(parts_of(stream, piece, boundary) == expected);
 }
 
-Trouble trouble_of(const std::string& stream)
+Failure failure_of(const std::string& stream)
 {
     try {
         parts_of(stream, 4096);
     } catch (const axis::CameraError& error) {
-        return error.trouble();
+        return error.kind();
     }
-    return Trouble::cancelled;
+    return Failure::cancelled;
 }
 
 }  // namespace
@@ -86,7 +86,7 @@ TEST_CASE("multipart: parts with their length, without it, and with line ends of
 
 TEST_CASE("multipart: every name of the boundary, line end and length gives whole parts with their type")
 {
-    const std::string jpeg = "\xFF\xD8 picture \r\n\r\n \xFF\xD9", size = std::to_string(jpeg.size());
+    const std::string jpeg = "\xFF\xD8 image \r\n\r\n \xFF\xD9", size = std::to_string(jpeg.size());
     for (const char* name :
          {" boundary=myboundary", " boundary=--myboundary", " boundary=\"myboundary\"", "boundary=myboundary"})
         for (const std::string end : {"\r\n", "\n"})
@@ -107,7 +107,7 @@ TEST_CASE("multipart: every name of the boundary, line end and length gives whol
             }
 }
 
-TEST_CASE("multipart: dashes of the boundary may be too many or too few, where it is told and where it stands")
+TEST_CASE("multipart: dashes of the boundary may be too many or too few, in the header and in the stream")
 {
     for (const char* told : {"myboundary", "--myboundary", "----myboundary"}) {
         check_parts(counted(one) + part(two) + "--myboundary", {one, two}, told);
@@ -123,10 +123,10 @@ TEST_CASE("multipart: unknown fields, a preamble, garbage between parts and a cl
                 {one, two});
 }
 
-TEST_CASE("multipart: a length that is too small or too large costs pictures, never the stream")
+TEST_CASE("multipart: a length that is too small or too large costs images, never the stream")
 {
-    const std::string picture(3000, 'p');
-    check_parts(part(picture, "Content-Length: 1000\r\n") + counted(two), {picture.substr(0, 1000), two});
+    const std::string image(3000, 'p');
+    check_parts(part(image, "Content-Length: 1000\r\n") + counted(two), {image.substr(0, 1000), two});
     const auto found = parts_of(part(one, "Content-Length: 40\r\n") + counted(two) + counted(one) + counted(two), 10);
     REQUIRE(found.size() >= 3);
     CHECK(found[0] != one);
@@ -142,15 +142,15 @@ TEST_CASE("multipart: a part that is cut by the end of the stream is given only 
 
 TEST_CASE("multipart: every size has a limit, found out while reading")
 {
-    CHECK(trouble_of("--myboundary\r\nContent-Length: 16777217\r\n\r\n") == Trouble::too_large);
-    CHECK(trouble_of("--myboundary\r\nContent-Length: 99999999999999999999999\r\n\r\n") == Trouble::too_large);
-    CHECK(trouble_of("--myboundary\r\nContent-Type: " + std::string(9000, 'x')) == Trouble::too_large);
-    CHECK(trouble_of("--myboundary" + std::string(9000, 'x')) == Trouble::too_large);
+    CHECK(failure_of("--myboundary\r\nContent-Length: 16777217\r\n\r\n") == Failure::too_large);
+    CHECK(failure_of("--myboundary\r\nContent-Length: 99999999999999999999999\r\n\r\n") == Failure::too_large);
+    CHECK(failure_of("--myboundary\r\nContent-Type: " + std::string(9000, 'x')) == Failure::too_large);
+    CHECK(failure_of("--myboundary" + std::string(9000, 'x')) == Failure::too_large);
     std::string fields;
     for (int i = 0; i < 1000; ++i)
         fields += "X-" + std::to_string(i) + ": y\r\n";
-    CHECK(trouble_of("--myboundary\r\n" + fields) == Trouble::too_large);
+    CHECK(failure_of("--myboundary\r\n" + fields) == Failure::too_large);
     const std::string megabytes((16u << 20) + 5000, 'x');
-    CHECK(trouble_of("--myboundary\r\nContent-Type: image/jpeg\r\n\r\n" + megabytes) == Trouble::too_large);
-    CHECK(trouble_of(megabytes) == Trouble::not_a_picture);
+    CHECK(failure_of("--myboundary\r\nContent-Type: image/jpeg\r\n\r\n" + megabytes) == Failure::too_large);
+    CHECK(failure_of(megabytes) == Failure::not_an_image);
 }

@@ -1,4 +1,4 @@
-// A camera that goes silent or away: noticed in time, told, and found again.
+// A camera that stalls or disconnects: detected in time, reported, and reconnected.
 #include "measure.hpp"
 #include "stage.hpp"
 
@@ -14,8 +14,8 @@ namespace {
 
 Milliseconds since(Clock::time_point begin) { return std::chrono::duration_cast<Milliseconds>(Clock::now() - begin); }
 
-/// Empties what came before `begin`, then waits for the first picture captured after it.
-Milliseconds first_picture_after(hive::Collector& collector, Clock::time_point begin)
+/// Empties what came before `begin`, then waits for the first image captured after it.
+Milliseconds first_image_after(hive::Collector& collector, Clock::time_point begin)
 {
     const auto wall = std::chrono::duration_cast<std::chrono::microseconds>(
                           (std::chrono::system_clock::now() - (Clock::now() - begin)).time_since_epoch())
@@ -23,20 +23,20 @@ Milliseconds first_picture_after(hive::Collector& collector, Clock::time_point b
     while (const auto event = collector.next(patient(10'000ms)))
         if (event->identity.captured_us > wall)
             return since(begin);
-    throw std::runtime_error("no picture came any more");
+    throw std::runtime_error("no image came any more");
 }
 
 }  // namespace
 
 TEST_CASE("axis outage: a stall is noticed within 2.5 s, everything is answered within 100 ms meanwhile, and it ends "
-          "with the next picture")
+          "with the next image")
 {
     const Swarm swarm;
     const EmulatedCamera camera(swarm);
     const auto drone = axis_drone(swarm, camera, {"resolution=320x240"});
     auto application = swarm.application();
     const auto collector = application.collect({{"axis", "image"}});
-    take_pictures(*collector, 3);
+    take_images(*collector, 3);
     std::vector<Milliseconds> noticed, again, answers;
     for (int i = 0; i < 3; ++i) {
         camera.behave("stall=on");
@@ -49,31 +49,31 @@ TEST_CASE("axis outage: a stall is noticed within 2.5 s, everything is answered 
         noticed.push_back(since(begin));
         REQUIRE(condition(application) == "stalled");
         camera.behave("stall=off");
-        again.push_back(first_picture_after(*collector, Clock::now()));
+        again.push_back(first_image_after(*collector, Clock::now()));
         REQUIRE(comes_to_say(application, ""));
     }
     std::ranges::sort(answers);
-    MESSAGE("noticed after ", median(noticed).count(), " ms, a picture again after ", median(again).count(), " ms; ",
+    MESSAGE("noticed after ", median(noticed).count(), " ms, an image again after ", median(again).count(), " ms; ",
             answers.size(), " answers, the slowest but 1 % after ", answers[answers.size() * 99 / 100].count(), " ms");
     CHECK(median(noticed) <= stated(2500ms));
     CHECK(median(again) <= stated(2000ms));
     CHECK(answers[answers.size() * 99 / 100] <= stated(100ms));
 }
 
-TEST_CASE("axis outage: the first picture comes within 2 s after the camera is back, every time")
+TEST_CASE("axis outage: the first image comes within 2 s after the camera is back, every time")
 {
     const Swarm swarm;
     const EmulatedCamera camera(swarm);
     const auto drone = axis_drone(swarm, camera, {"resolution=320x240"});
     auto application = swarm.application();
     const auto collector = application.collect({{"axis", "image"}});
-    take_pictures(*collector, 3);
+    take_images(*collector, 3);
     std::vector<Milliseconds> back;
     for (int i = 0; i < 3; ++i) {
         camera.behave("down=on");
         REQUIRE(comes_to_say(application, "connection refused by http://127.0.0.1:"));
         camera.behave("down=off");
-        back.push_back(first_picture_after(*collector, Clock::now()));
+        back.push_back(first_image_after(*collector, Clock::now()));
         MESSAGE("back after ", back.back().count(), " ms");
         CHECK(back.back() <= patient(2000ms));
     }
@@ -105,12 +105,12 @@ TEST_CASE(
     CHECK(set.took < patient(4000ms));
     const auto collector = application.collect({{"axis", "image"}});
     camera.behave("mute=off");
-    const auto back = first_picture_after(*collector, Clock::now());
-    MESSAGE("a picture after ", back.count(), " ms");
+    const auto back = first_image_after(*collector, Clock::now());
+    MESSAGE("an image after ", back.count(), " ms");
     CHECK(back <= patient(3000ms));
 }
 
-TEST_CASE("axis outage: a drone whose camera hangs ends when it is told to, within two seconds")
+TEST_CASE("axis outage: a drone whose camera hangs stops within two seconds")
 {
     const Swarm swarm;
     const EmulatedCamera camera(swarm, {"mute=on"});

@@ -28,7 +28,7 @@ TEST_CASE("parameters: Latin-1 becomes UTF-8, UTF-8 stays")
     CHECK(parse_parameters("root.Name=Fu\xC3\x9Fg\xC3\xA4nger").values.at("Name") == "Fu\xC3\x9Fg\xC3\xA4nger");
 }
 
-TEST_CASE("parameters: a web page has none")
+TEST_CASE("parameters: a web page has no parameters")
 {
     CHECK(parse_parameters("<html>\n<a href=\"x\">\n</html>").values.empty());
     CHECK(parse_parameters("").values.empty());

@@ -1,4 +1,4 @@
-// Parameters: what the camera takes, changes and refuses; and pictures on demand.
+// Parameters that the camera accepts, changes and refuses; and images on demand.
 #include "stage.hpp"
 
 #include <doctest/doctest.h>
@@ -12,7 +12,7 @@ namespace {
 constexpr const char* brightness = "ImageSource.I0.Sensor.Brightness";
 constexpr const char* resolution = "Image.I0.Appearance.Resolution";
 
-/// The size of pictures becomes this one.
+/// The size of images becomes this one.
 bool sizes_become(hive::Collector& collector, int width)
 {
     for (int i = 0; i < 200; ++i)
@@ -23,7 +23,7 @@ bool sizes_become(hive::Collector& collector, int width)
 
 }  // namespace
 
-TEST_CASE("axis settings: a set is answered with what the camera says to have, and get tells the same")
+TEST_CASE("axis settings: set and get return the values that the camera reports")
 {
     const Swarm swarm;
     const EmulatedCamera camera(swarm, {"step=5"});
@@ -49,10 +49,10 @@ TEST_CASE("axis settings: another camera is another epoch, and a parameter of th
     const EmulatedCamera one(swarm), other(elsewhere);
     const auto drone = axis_drone(swarm, one);
     auto application = swarm.application();
-    const auto pictures = application.collect({{"axis", "image"}});
+    const auto images = application.collect({{"axis", "image"}});
     const auto epoch = [&] {
-        take_pictures(*pictures, 1);
-        const auto event = pictures->next(patient(5000ms));
+        take_images(*images, 1);
+        const auto event = images->next(patient(5000ms));
         return event ? event->identity.epoch : 0;
     };
     const auto before = epoch();
@@ -68,17 +68,17 @@ TEST_CASE("axis settings: what the camera refuses is refused with its reason, an
     const EmulatedCamera camera(swarm);
     const auto drone = axis_drone(swarm, camera, {"brightness=40"});
     auto application = swarm.application();
-    take_pictures(*application.collect({{"axis", "image"}}), 1);  // it has told the camera its brightness
+    take_images(*application.collect({{"axis", "image"}}), 1);  // the brightness has been written
     const auto refused = swarm.hivectl({"set", "axis", "resolution=9x9", "brightness=80"});
     CHECK(refused.exit_code != 0);
     CHECK(has(refused.err, "the camera refuses: Error: Error setting 'root.Image.I0.Appearance.Resolution' to '9x9'!"));
     CHECK(application.get("axis", {"resolution", "brightness"}) == Json{{"resolution", ""}, {"brightness", 40}});
     CHECK(camera.parameter(brightness) == "40");
     CHECK(camera.parameter(resolution) == "640x480");
-    take_pictures(*application.collect({{"axis", "image"}}), 1);
+    take_images(*application.collect({{"axis", "image"}}), 1);
 }
 
-TEST_CASE("axis settings: another resolution changes the pictures of a running stream")
+TEST_CASE("axis settings: another resolution changes the images of a running stream")
 {
     const Swarm swarm;
     const EmulatedCamera camera(swarm);
@@ -102,7 +102,7 @@ TEST_CASE(
     const auto collector = application.collect({{"axis", "image"}});
     camera.behave("down=off");
     CHECK(comes_to_say(application, "the camera refuses: Error: Error setting 'root.ImageSource.I0.Sensor.Exposure'"));
-    take_pictures(*collector, 2);
+    take_images(*collector, 2);
     application.set("axis", {{"exposure", "auto"}});
     CHECK(comes_to_say(application, ""));
     application.set("axis", {{"allow_address", "127.0.0.1,::1"}});  // found again
@@ -120,7 +120,7 @@ TEST_CASE("axis settings: old firmware takes updates on its own path")
     CHECK(camera.parameter(brightness) == "30");
 }
 
-TEST_CASE("axis settings: with pace=demand the camera is asked for one picture for each that is received")
+TEST_CASE("axis settings: with pace=demand the camera is asked for one image for each that is received")
 {
     const Swarm swarm;
     const EmulatedCamera camera(swarm);
@@ -140,7 +140,7 @@ TEST_CASE("axis settings: with pace=demand the camera is asked for one picture f
     CHECK(camera.count("pictures") <= 22);  // the next is made while this one is looked at
 }
 
-TEST_CASE("axis settings: without a camera the drone runs and says what it needs")
+TEST_CASE("axis settings: without a camera the drone runs and reports the missing url")
 {
     const Swarm swarm;
     const auto drone = swarm.drone("axis", "axis");
@@ -156,10 +156,10 @@ TEST_CASE("axis settings: a certificate that is not there is refused at once, at
     const auto started =
         swarm.run({swarm.program("hive-axis").string(), "--name", "other", "--set", "certificate=/nowhere/x.pem"});
     CHECK(started.exit_code != 0);
-    CHECK(has(started.err, "certificate: there is no file /nowhere/x.pem"));
+    CHECK(has(started.err, "certificate: no such file: /nowhere/x.pem"));
     const auto drone = swarm.drone("axis", "axis", {"url=https://192.0.2.10"});
     CHECK(has(swarm.hivectl({"set", "axis", "certificate=/nowhere/x.pem"}).err,
-              "certificate: there is no file /nowhere/x.pem"));
+              "certificate: no such file: /nowhere/x.pem"));
     CHECK(swarm.hivectl_done({"get", "axis", "certificate"}).find("/nowhere") == std::string::npos);
 }
 
@@ -185,7 +185,7 @@ TEST_CASE("axis emulator: says which address or port it cannot have, with a hint
     CHECK(has(wrong.err, "address=300.1.1.1 is not an IPv4 address"));
 }
 
-TEST_CASE("axis settings: the header of a picture has the fields that the page shows")
+TEST_CASE("axis settings: the header of an image has the fields that the page shows")
 {
     const std::string page = text_of(HIVE_SOURCE_DIR "/drones/axis/README.md"), begin = "Its header: `";
     const std::size_t at = page.find(begin);

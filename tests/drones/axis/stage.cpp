@@ -77,12 +77,12 @@ std::string condition(hive::Application& application) { return application.statu
 namespace {
 
 /// Throws when it is broken.
-void check_picture(const hive::Event& event)
+void check_image(const hive::Event& event)
 {
-    const cv::Mat picture = hive::vision::decode(event);
+    const cv::Mat image = hive::vision::decode(event);
     CHECK(event.type == "image/jpeg");
-    CHECK(picture.cols == event.header.at("width"));
-    CHECK(picture.rows == event.header.at("height"));
+    CHECK(image.cols == event.header.at("width"));
+    CHECK(image.rows == event.header.at("height"));
 }
 
 bool says(hive::Application& application, const std::string& beginning)
@@ -104,21 +104,21 @@ bool comes_to_say(hive::Application& application, hive::Collector& collector, co
     return eventually(
         [&] {
             while (const auto event = collector.next(Milliseconds(1)))
-                check_picture(*event);
+                check_image(*event);
             return says(application, beginning);
         },
         patience);
 }
 
-void take_pictures(hive::Collector& collector, int count, Milliseconds patience)
+void take_images(hive::Collector& collector, int count, Milliseconds patience)
 {
     using namespace std::chrono;
     const auto begin = duration_cast<microseconds>(system_clock::now().time_since_epoch()).count();
     while (count > 0) {
         const auto event = collector.next(patient(patience));
         if (!event)
-            throw std::runtime_error("no picture came");
-        check_picture(*event);
+            throw std::runtime_error("no image came");
+        check_image(*event);
         count -= event->identity.captured_us > begin ? 1 : 0;
     }
 }

@@ -1,4 +1,4 @@
-// The emulated camera as a process, and a drone that looks at it.
+// The emulated camera as a process, and a drone connected to it.
 #pragma once
 
 #include "camera.hpp"
@@ -21,9 +21,9 @@ public:
     [[nodiscard]] std::string url() const { return "http://127.0.0.1:" + std::to_string(port_); }
     /// Changes its behaviour: "stall=on&fps=5".
     void behave(const std::string& words) const;
-    /// One of its counts: connections, wrong_logins, updates, pictures.
+    /// One of its counts: connections, wrong_logins, updates, images.
     [[nodiscard]] int count(const std::string& what) const;
-    /// What param.cgi says; for a camera that asks for no login.
+    /// The answer of param.cgi, for a camera without a login.
     [[nodiscard]] std::string parameter(const std::string& name) const;
 
 private:
@@ -37,21 +37,21 @@ private:
 /// A file of credentials, with the mode that is asked of one.
 std::string credentials_file(const Swarm& swarm, const std::string& line);
 
-/// A drone named axis that is told where the camera is.
+/// A drone named axis with the URL of the camera.
 Process axis_drone(const Swarm& swarm, const EmulatedCamera& camera, std::vector<std::string> settings = {},
                    const std::vector<std::string>& environment = {});
 
 std::string condition(hive::Application& application);
-/// Does the condition become one that begins so?
+/// Waits for a condition with this start.
 bool comes_to_say(hive::Application& application, const std::string& beginning,
                   Milliseconds patience = Milliseconds(6000));
 
-/// As above, while the pictures are taken that come, each decoded strictly.
+/// As above, while the images are taken that come, each decoded strictly.
 bool comes_to_say(hive::Application& application, hive::Collector& collector, const std::string& beginning,
                   Milliseconds patience);
 
-/// Takes `count` pictures that were captured from now on and decodes each, strictly: throws when one is broken or does
+/// Takes `count` images that were captured from now on and decodes each, strictly: throws when one is broken or does
 /// not come.
-void take_pictures(hive::Collector& collector, int count, Milliseconds patience = Milliseconds(5000));
+void take_images(hive::Collector& collector, int count, Milliseconds patience = Milliseconds(5000));
 
 }  // namespace stage

@@ -1,4 +1,4 @@
-// The foreground finder: things that move are found where they are; changes begin a new model.
+// The foreground finder: moving objects are found in place; changes start a new model.
 #include "media.hpp"
 #include "overlap.hpp"
 
@@ -15,10 +15,10 @@ namespace {
 
 const cv::Size size(160, 120);
 
-/// A grainy wall, and from picture 20 on a disc that moves before it.
+/// A grainy wall, and from image 20 on a disc that moves before it.
 class Clip {
 public:
-    cv::Mat picture(int index)
+    cv::Mat frame(int index)
     {
         cv::Mat image(size, CV_8UC3), grain(size, CV_16SC3);
         image.setTo(cv::Scalar(90, 110, 130));
@@ -49,7 +49,7 @@ TEST_CASE("foreground: a moving disc is the only blob and lies where it was draw
         finder.model.method = method;
         Clip clip;
         for (int index = 0; index < 60; ++index) {
-            const Foreground found = finder.find(clip.picture(index));
+            const Foreground found = finder.find(clip.frame(index));
             CHECK(found.learned == index + 1);
             CAPTURE(index);
             if (index < 20) {
@@ -64,31 +64,31 @@ TEST_CASE("foreground: a moving disc is the only blob and lies where it was draw
     }
 }
 
-TEST_CASE("foreground: in the first pictures of a model everything is background")
+TEST_CASE("foreground: in the first images of a model everything is background")
 {
     for (const char* method : {"mog2", "knn"}) {
         ForegroundFinder finder;
         finder.model.method = method;
         Clip clip;
         for (int index = 30; index < 30 + ForegroundFinder::young; ++index) {
-            const Foreground found = finder.find(clip.picture(index));
+            const Foreground found = finder.find(clip.frame(index));
             CHECK(found.blobs.empty());
             CHECK(cv::countNonZero(found.mask) == 0);
         }
-        CHECK_FALSE(finder.find(clip.picture(50)).blobs.empty());
+        CHECK_FALSE(finder.find(clip.frame(50)).blobs.empty());
     }
 }
 
-TEST_CASE("foreground: a change of the model, the size or the channels begins anew; one of the morphology does not")
+TEST_CASE("foreground: a change of model, size or channels restarts; one of the morphology does not")
 {
     ForegroundFinder finder;
     Clip clip;
     const auto learned_after = [&](const auto& change) {
         for (int i = 0; i < 3; ++i)
-            static_cast<void>(finder.find(clip.picture(i)));
-        cv::Mat picture = clip.picture(5);
-        change(picture);
-        return finder.find(picture).learned;
+            static_cast<void>(finder.find(clip.frame(i)));
+        cv::Mat image = clip.frame(5);
+        change(image);
+        return finder.find(image).learned;
     };
     CHECK(learned_after([](cv::Mat&) {}) == 4);
     CHECK(learned_after([&](cv::Mat&) { finder.open = 2; }) == 8);
@@ -98,24 +98,24 @@ TEST_CASE("foreground: a change of the model, the size or the channels begins an
     CHECK(learned_after([&](cv::Mat&) { finder.model.threshold = 30; }) == 1);
     CHECK(learned_after([&](cv::Mat&) { finder.model.shadows = true; }) == 1);
     CHECK(learned_after([&](cv::Mat&) { finder.model.method = "knn"; }) == 1);
-    CHECK(learned_after([](cv::Mat& picture) { cv::resize(picture, picture, {80, 60}); }) == 1);
-    CHECK(learned_after([](cv::Mat& picture) { cv::cvtColor(picture, picture, cv::COLOR_BGR2GRAY); }) == 1);
+    CHECK(learned_after([](cv::Mat& image) { cv::resize(image, image, {80, 60}); }) == 1);
+    CHECK(learned_after([](cv::Mat& image) { cv::cvtColor(image, image, cv::COLOR_BGR2GRAY); }) == 1);
 }
 
-TEST_CASE("foreground: a shadow is told only if asked, and is part of no blob")
+TEST_CASE("foreground: shadows are marked only if requested, and belong to no blob")
 {
     for (const bool shadows : {false, true}) {
         ForegroundFinder finder;
         finder.model.shadows = shadows;
         Clip clip;
-        cv::Mat picture;
+        cv::Mat image;
         Foreground found;
         for (int index = 0; index < 20; ++index)
-            found = finder.find(clip.picture(index));
-        picture = clip.picture(0);
-        cv::Mat part = picture(cv::Rect(40, 30, 60, 50));
+            found = finder.find(clip.frame(index));
+        image = clip.frame(0);
+        cv::Mat part = image(cv::Rect(40, 30, 60, 50));
         part.convertTo(part, -1, 0.7);
-        found = finder.find(picture);
+        found = finder.find(image);
         CAPTURE(shadows);
         CHECK((cv::countNonZero(found.mask == ForegroundFinder::shadow) > 2000) == shadows);
         CHECK(found.blobs.empty() == shadows);
@@ -134,7 +134,7 @@ TEST_CASE("foreground: at most so many blobs, and those the largest; specks and 
     for (int i = 0; i < 5; ++i)
         static_cast<void>(finder.find(wall));
     const Foreground found = finder.find(dots);
-    CHECK(found.blobs.size() == ForegroundFinder::most_blobs);
+    CHECK(found.blobs.size() == ForegroundFinder::max_blobs);
     CHECK(std::ranges::count(found.blobs, 4, &background::Blob::area) == 240);
     CHECK(std::ranges::is_sorted(found.blobs, {},
                                  [](const background::Blob& blob) { return std::pair(blob.box.y, blob.box.x); }));
@@ -155,10 +155,10 @@ TEST_CASE("foreground: when the light changes, what stands before the wall is st
             Clip clip;
             int changes = 0;
             for (int index = 0; index < 70; ++index) {
-                cv::Mat picture = clip.picture(index);
+                cv::Mat image = clip.frame(index);
                 if (index >= 50)
-                    picture.convertTo(picture, -1, gain);
-                const Foreground found = finder.find(picture);
+                    image.convertTo(image, -1, gain);
+                const Foreground found = finder.find(image);
                 changes += found.light_changed ? 1 : 0;
                 CHECK(found.light_changed == (index == 50));
                 CAPTURE(index);
@@ -171,27 +171,27 @@ TEST_CASE("foreground: when the light changes, what stands before the wall is st
         }
 }
 
-TEST_CASE("foreground: the light is left alone when nobody wants to know of it, and then everything is foreground")
+TEST_CASE("foreground: with light=100 a change of the light is foreground")
 {
     ForegroundFinder finder;
     finder.light = 100;
     Clip clip;
     for (int index = 0; index < 50; ++index)
-        static_cast<void>(finder.find(clip.picture(index)));
-    const Foreground found = finder.find(clip.picture(50) * 0.5);
+        static_cast<void>(finder.find(clip.frame(index)));
+    const Foreground found = finder.find(clip.frame(50) * 0.5);
     CHECK_FALSE(found.light_changed);
     CHECK(cv::countNonZero(found.mask) > 0.9 * static_cast<double>(found.mask.total()));
 }
 
-TEST_CASE("foreground: a large thing of another colour before the camera is no change of the light")
+TEST_CASE("foreground: a large object of another colour is not a change of the light")
 {
     ForegroundFinder finder;
     Clip clip;
     for (int index = 0; index < 50; ++index)
-        static_cast<void>(finder.find(clip.picture(index)));
-    cv::Mat picture = clip.picture(0);
-    picture(cv::Rect(10, 10, 140, 100)) = cv::Scalar(200, 40, 40);
-    const Foreground found = finder.find(picture);
+        static_cast<void>(finder.find(clip.frame(index)));
+    cv::Mat image = clip.frame(0);
+    image(cv::Rect(10, 10, 140, 100)) = cv::Scalar(200, 40, 40);
+    const Foreground found = finder.find(image);
     CHECK_FALSE(found.light_changed);
     REQUIRE(found.blobs.size() == 1);
     CHECK(found.blobs[0].area > 12'000);
@@ -204,22 +204,22 @@ TEST_CASE("foreground: a change of the light is seen soon after a large thing th
         ForegroundFinder finder;
         Clip clip;
         for (int index = 0; index < 50; ++index)
-            static_cast<void>(finder.find(clip.picture(index)));
-        cv::Mat picture = clip.picture(0);
-        picture(cv::Rect(10, 10, 140, 100)) = cv::Scalar(200, 40, 40);
-        CHECK_FALSE(finder.find(picture).light_changed);
+            static_cast<void>(finder.find(clip.frame(index)));
+        cv::Mat image = clip.frame(0);
+        image(cv::Rect(10, 10, 140, 100)) = cv::Scalar(200, 40, 40);
+        CHECK_FALSE(finder.find(image).light_changed);
         for (int index = 1; index < later; ++index)
-            CHECK_FALSE(finder.find(clip.picture(50 + index)).light_changed);
-        CHECK(finder.find(clip.picture(50 + later) * 0.5).light_changed);
-        CHECK_FALSE(finder.find(clip.picture(51 + later) * 0.5).light_changed);
+            CHECK_FALSE(finder.find(clip.frame(50 + index)).light_changed);
+        CHECK(finder.find(clip.frame(50 + later) * 0.5).light_changed);
+        CHECK_FALSE(finder.find(clip.frame(51 + later) * 0.5).light_changed);
     }
 }
 
-TEST_CASE("foreground: a method that nobody knows is refused")
+TEST_CASE("foreground: an unknown method is refused")
 {
     ForegroundFinder finder;
     finder.model.method = "magic";
-    CHECK_THROWS_AS(static_cast<void>(finder.find(Clip().picture(0))), std::invalid_argument);
+    CHECK_THROWS_AS(static_cast<void>(finder.find(Clip().frame(0))), std::invalid_argument);
 }
 
 TEST_CASE("foreground: on the clip of two blobs the mask is the true one (needs media)")
@@ -231,11 +231,11 @@ TEST_CASE("foreground: on the clip of two blobs the mask is the true one (needs 
     for (const char* method : {"mog2", "knn"}) {
         ForegroundFinder finder;
         finder.model.method = method;
-        cv::VideoCapture pictures(clip->string()), masks(truth->string());
-        cv::Mat picture, mask;
+        cv::VideoCapture video(clip->string()), masks(truth->string());
+        cv::Mat image, mask;
         double both = 0, either = 0;
-        while (pictures.read(picture) && masks.read(mask)) {
-            const Foreground found = finder.find(picture);
+        while (video.read(image) && masks.read(mask)) {
+            const Foreground found = finder.find(image);
             if (found.learned <= 30)
                 continue;
             cv::extractChannel(mask, mask, 0);

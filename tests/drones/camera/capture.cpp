@@ -1,4 +1,4 @@
-// The capture thread and its pace: newest picture, conditions, a source that hangs.
+// The capture thread and its pace: newest image, conditions, a source that hangs.
 #include "capture.hpp"
 #include "pacing.hpp"
 
@@ -18,7 +18,7 @@ using namespace std::chrono_literals;
 
 namespace {
 
-constexpr auto deadline = 60s;  // only what hangs reaches it
+constexpr auto deadline = 60s;  // reached only by a hang
 
 /// Counts notices; a test waits for them instead of sleeping.
 class Bell {
@@ -66,7 +66,7 @@ public:
             return std::nullopt;
         Frame frame;
         frame.index = count_++;
-        frame.begins_again = act == Act::begin_again;
+        frame.restarts = act == Act::begin_again;
         if (act == Act::give_timed)
             frame.media_time = frame.index * distance;
         return frame;
@@ -127,7 +127,7 @@ TEST_CASE("schedule: small delays do not add up, a long pause is not made up for
     CHECK(schedule.due() == start + 60s + 100ms);
 }
 
-TEST_CASE("schedule: without a rate a picture is always due")
+TEST_CASE("schedule: without a rate an image is always due")
 {
     const camera::Schedule::Clock::time_point start{1000s};
     camera::Schedule schedule(0, start);
@@ -135,7 +135,7 @@ TEST_CASE("schedule: without a rate a picture is always due")
     CHECK(schedule.due() == start);
 }
 
-TEST_CASE("schedule: a video is shown at its own times, and a leap of them costs no more than one picture")
+TEST_CASE("schedule: a video is shown at its own times, and a leap costs at most one image")
 {
     const camera::OwnTimes::Clock::time_point start{1000s};
     camera::OwnTimes own(100ms);
@@ -143,13 +143,13 @@ TEST_CASE("schedule: a video is shown at its own times, and a leap of them costs
     CHECK(own.due(5'030ms, start) == start + 30ms);
     CHECK(own.due(6s, start + 30ms) == start + 1s);
     CHECK(own.next() == start + 1'100ms);
-    CHECK(own.due(6'100ms, start + 1'190ms) == start + 1'100ms);  // late by less than a picture
-    CHECK(own.due(6'200ms, start + 4s) == start + 4s);            // what was missed is not made up for
-    CHECK(own.due(0s, start + 4s) == start + 4'100ms);            // it begins again
+    CHECK(own.due(6'100ms, start + 1'190ms) == start + 1'100ms);  // late by less than an image
+    CHECK(own.due(6'200ms, start + 4s) == start + 4s);            // missed frames are not made up for
+    CHECK(own.due(0s, start + 4s) == start + 4'100ms);            // it restarts
     CHECK(own.due(2min, start + 4'100ms) == start + 4'200ms);
 }
 
-TEST_CASE("capture: the pictures of a video come at its times, also the last before the end")
+TEST_CASE("capture: the images of a video come at its times, also the last before the end")
 {
     Stage stage;
     const auto before = std::chrono::steady_clock::now();
@@ -164,7 +164,7 @@ TEST_CASE("capture: the pictures of a video come at its times, also the last bef
     CHECK(capture->ended());
 }
 
-TEST_CASE("capture: a picture that is not yet due is no stall")
+TEST_CASE("capture: an image that is not yet due is not a stall")
 {
     Stage stage;
     const auto capture = stage.capture(0.1, Capture::AtEnd::stop);
@@ -178,7 +178,7 @@ TEST_CASE("capture: a picture that is not yet due is no stall")
     stage.script->play(Script::Act::end);
 }
 
-TEST_CASE("capture: only the newest picture is kept, and only once")
+TEST_CASE("capture: only the newest image is kept, and only once")
 {
     Stage stage;
     const auto capture = stage.capture(0, Capture::AtEnd::open_again);
@@ -192,7 +192,7 @@ TEST_CASE("capture: only the newest picture is kept, and only once")
     stage.script->play(Script::Act::end);
 }
 
-TEST_CASE("capture: that a video begins again is told with the next picture that is taken, whichever that is")
+TEST_CASE("capture: a restart of a video is reported with the next image taken")
 {
     Stage stage;
     const auto capture = stage.capture(0, Capture::AtEnd::open_again);
@@ -201,10 +201,10 @@ TEST_CASE("capture: that a video begins again is told with the next picture that
         stage.script->play(act);
         REQUIRE(stage.news.wait_for(++given));
     }
-    CHECK(capture->take()->begins_again);
+    CHECK(capture->take()->restarts);
     stage.script->play(Script::Act::give);
     REQUIRE(stage.news.wait_for(++given));
-    CHECK_FALSE(capture->take()->begins_again);
+    CHECK_FALSE(capture->take()->restarts);
     stage.script->play(Script::Act::end);
 }
 
@@ -224,7 +224,7 @@ TEST_CASE("capture: a source without news for more than 2 s has stalled")
     stage.script->play(Script::Act::end);
 }
 
-TEST_CASE("capture: a file's end is told, and the last picture stays to be taken")
+TEST_CASE("capture: the end of a file is reported, and its last image can still be taken")
 {
     Stage stage;
     const auto capture = stage.capture(500, Capture::AtEnd::stop);
@@ -237,7 +237,7 @@ TEST_CASE("capture: a file's end is told, and the last picture stays to be taken
     CHECK(stage.gone->wait_for(1));
 }
 
-TEST_CASE("capture: a picture file that cannot be read is told and passed over")
+TEST_CASE("capture: an unreadable image file is reported and skipped")
 {
     Stage stage;
     const auto capture = stage.capture(500, Capture::AtEnd::stop);
@@ -247,7 +247,7 @@ TEST_CASE("capture: a picture file that cannot be read is told and passed over")
     stage.script->play(Script::Act::give);
     REQUIRE(stage.news.wait_for(2));
     CHECK(capture->condition().empty());
-    stage.script->play(Script::Act::fail);  // between others it is no state of the source
+    stage.script->play(Script::Act::fail);  // between others, it does not change the condition
     REQUIRE(stage.news.wait_for(3));
     CHECK(capture->condition().empty());
     CHECK(capture->problems() == std::vector<std::string>{"broken", "broken"});
@@ -256,7 +256,7 @@ TEST_CASE("capture: a picture file that cannot be read is told and passed over")
     CHECK(capture->ended());
 }
 
-TEST_CASE("capture: a camera that ends is told as lost and opened again")
+TEST_CASE("capture: a lost camera is reported and reopened")
 {
     Stage stage;
     const auto capture = stage.capture(0, Capture::AtEnd::open_again);
@@ -270,7 +270,7 @@ TEST_CASE("capture: a camera that ends is told as lost and opened again")
     stage.script->play(Script::Act::end);
 }
 
-TEST_CASE("capture: a source that does not open is told by its reason")
+TEST_CASE("capture: the reason why a source does not open is reported")
 {
     Bell news;
     const Capture capture([]() -> std::unique_ptr<Source> { throw std::runtime_error("no such camera"); }, 0,

@@ -1,6 +1,6 @@
-// What the drones make of a picture or a clip, and what plain OpenCV makes of it: compare_media SOURCE [PICTURES]
-// prints in how many pictures the faces and the masks of the foreground are the same; compare_media --formats FOLDER
-// writes a picture in each format. For scripts/media-table.
+// Compares the results of the drones with those of plain OpenCV for an image or a clip: compare_media SOURCE [IMAGES]
+// prints in how many images the faces and the masks of the foreground are the same; compare_media --formats FOLDER
+// writes an image in each format. For scripts/media-table.
 #include "swarm.hpp"
 
 #include <hive/vision/image.hpp>
@@ -24,29 +24,29 @@ namespace {
 
 /// x, y, w, h
 using Boxes = std::set<std::array<int, 4>>;
-/// By the number of the picture, from 1.
+/// By the number of the image, from 1.
 struct Found {
     std::map<std::int64_t, Boxes> faces;
     std::map<std::int64_t, cv::Mat> masks;
 };
 
-/// The pictures of a file in turn; an empty one at the end.
-std::function<cv::Mat()> pictures_of(const std::string& source)
+/// The images of a file in turn; an empty one at the end.
+std::function<cv::Mat()> images_of(const std::string& source)
 {
-    if (const cv::Mat picture = cv::imread(source); !picture.empty())
-        return [picture, given = false]() mutable { return std::exchange(given, true) ? cv::Mat() : picture; };
+    if (const cv::Mat image = cv::imread(source); !image.empty())
+        return [image, given = false]() mutable { return std::exchange(given, true) ? cv::Mat() : image; };
     return [video = cv::VideoCapture(source, cv::CAP_FFMPEG)]() mutable {
-        cv::Mat picture;
-        video.read(picture);
-        return picture;
+        cv::Mat image;
+        video.read(image);
+        return image;
     };
 }
 
-/// As the face drone's page says it looks for faces.
-Boxes faces_in(cv::CascadeClassifier& cascade, const cv::Mat& picture)
+/// With the method on the page of the face drone.
+Boxes faces_in(cv::CascadeClassifier& cascade, const cv::Mat& image)
 {
     cv::Mat grey;
-    cv::cvtColor(picture, grey, cv::COLOR_BGR2GRAY);
+    cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
     std::vector<cv::Rect> faces;
     cascade.detectMultiScale(grey, faces, 1.1, 5, 0, {24, 24});
     Boxes boxes;
@@ -55,14 +55,14 @@ Boxes faces_in(cv::CascadeClassifier& cascade, const cv::Mat& picture)
     return boxes;
 }
 
-/// As the background drone's page says it makes a mask, with light=100: OpenCV knows nothing of changes of the light.
-cv::Mat mask_of(cv::BackgroundSubtractor& subtractor, const cv::Mat& picture, std::int64_t number)
+/// With the method on the page of the background drone, and light=100: OpenCV does not adapt to changes of the light.
+cv::Mat mask_of(cv::BackgroundSubtractor& subtractor, const cv::Mat& image, std::int64_t number)
 {
     const auto disc = [](int radius) {
         return cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * radius + 1, 2 * radius + 1});
     };
     cv::Mat mask;
-    subtractor.apply(picture, mask, 1.0 / 500);
+    subtractor.apply(image, mask, 1.0 / 500);
     if (number <= 4)
         mask.setTo(0);
     cv::morphologyEx(mask, mask, cv::MORPH_OPEN, disc(1));
@@ -74,14 +74,14 @@ Found by_opencv(const std::string& source, int most)
 {
     cv::CascadeClassifier cascade("/usr/share/opencv4/haarcascades/haarcascade_frontalface_default.xml");
     const auto subtractor = cv::createBackgroundSubtractorMOG2(500, 16, false);
-    const auto next = pictures_of(source);
+    const auto next = images_of(source);
     Found found;
     for (std::int64_t number = 1; number <= most; ++number) {
-        const cv::Mat picture = next();
-        if (picture.empty())
+        const cv::Mat image = next();
+        if (image.empty())
             break;
-        found.faces[number] = faces_in(cascade, picture);
-        found.masks[number] = mask_of(*subtractor, picture, number);
+        found.faces[number] = faces_in(cascade, image);
+        found.masks[number] = mask_of(*subtractor, image, number);
     }
     return found;
 }
@@ -143,13 +143,13 @@ void compare(const std::string& source, int most)
                 agreement(plain.masks, drones.masks, same_mask).c_str());
 }
 
-/// A picture with edges and colours, moved a little.
+/// An image with edges and colours, moved a little.
 cv::Mat drawn(int number)
 {
-    cv::Mat picture(120, 160, CV_8UC3, cv::Scalar(90, 120, 60));
-    cv::circle(picture, {40 + 3 * number, 60}, 25, {40, 60, 220}, -1);
-    cv::putText(picture, std::to_string(number), {90, 80}, cv::FONT_HERSHEY_SIMPLEX, 1, {240, 240, 240}, 2);
-    return picture;
+    cv::Mat image(120, 160, CV_8UC3, cv::Scalar(90, 120, 60));
+    cv::circle(image, {40 + 3 * number, 60}, 25, {40, 60, 220}, -1);
+    cv::putText(image, std::to_string(number), {90, 80}, cv::FONT_HERSHEY_SIMPLEX, 1, {240, 240, 240}, 2);
+    return image;
 }
 
 void write_formats(const std::string& folder)
@@ -159,10 +159,10 @@ void write_formats(const std::string& folder)
         try {
             const std::string file = folder + "/picture." + ending;
             const bool grey = file.ends_with("pgm") || file.ends_with("pbm");
-            cv::Mat picture = drawn(1);
+            cv::Mat image = drawn(1);
             if (grey)
-                cv::cvtColor(picture, picture, cv::COLOR_BGR2GRAY);
-            cv::imwrite(file, picture);
+                cv::cvtColor(image, image, cv::COLOR_BGR2GRAY);
+            cv::imwrite(file, image);
         } catch (const cv::Exception&) {  // OpenCV was built without it, or writes it from other numbers only
         }
     for (const auto& [name, code] :
@@ -184,7 +184,7 @@ try {
     else if (given.size() == 1 || given.size() == 2)
         compare(given[0], given.size() == 2 ? std::stoi(given[1]) : 100);
     else
-        throw std::runtime_error("usage: compare_media SOURCE [PICTURES] | --formats FOLDER");
+        throw std::runtime_error("usage: compare_media SOURCE [IMAGES] | --formats FOLDER");
     return 0;
 } catch (const std::exception& problem) {
     std::fprintf(stderr, "compare_media: %s\n", problem.what());

@@ -1,4 +1,4 @@
-// The end of a folder of pictures, behind two face drones that share the work, as each verb of hivectl sees it.
+// The end of a folder of images, behind two face drones that share the work, as each verb of hivectl sees it.
 #include "free_port.hpp"
 #include "media.hpp"
 #include "status_sums.hpp"
@@ -13,11 +13,11 @@ using namespace std::chrono_literals;
 
 namespace {
 
-constexpr int pictures = 30;
+constexpr int images = 30;
 
-std::string folder_of_pictures(const std::filesystem::path& folder)
+std::string folder_of_images(const std::filesystem::path& folder)
 {
-    for (int i = 0; i < pictures; ++i)
+    for (int i = 0; i < images; ++i)
         media::write(folder / (std::to_string(100 + i) + ".jpg"),
                      media::encoded(".jpg", media::sample({64, 48}, CV_8UC3, i)));
     return folder.string();
@@ -25,18 +25,18 @@ std::string folder_of_pictures(const std::filesystem::path& folder)
 
 std::ptrdiff_t lines(const std::string& text) { return std::ranges::count(text, '\n'); }
 
-/// A camera that is halted, and two workers that share its pictures.
+/// A camera that is halted, and two workers that share its images.
 struct Sharing {
     Swarm swarm;
     media::Folder folder;
     Process camera = swarm.drone(
-        "camera", "camera", {"source=" + folder_of_pictures(folder.path()), "pace=demand", "loop=off"}, {"--halted"});
+        "camera", "camera", {"source=" + folder_of_images(folder.path()), "pace=demand", "loop=off"}, {"--halted"});
     Process first = swarm.drone("face", "face-1"), second = swarm.drone("face", "face-2");
     hive::Application application = swarm.application();
 
     Sharing() { swarm.hivectl_done({"connect", "camera", "face-1", "face-2", "--share"}); }
 
-    /// How many receive what a worker finds.
+    /// Number of receivers of a worker's results.
     [[nodiscard]] std::size_t receivers(const std::string& worker)
     {
         std::size_t count = 0;
@@ -76,8 +76,8 @@ TEST_CASE("end: behind workers that share, results, collect, record, save, view 
     sharing.application.resume("camera");
     for (std::size_t i = 0; i < verbs.size(); ++i)
         CHECK_MESSAGE(running[i].wait(patient(30'000ms)) == 0, verbs[i].first, ": ", swarm.log(verbs[i].first));
-    CHECK(lines(swarm.log("results")) == pictures);
-    CHECK(swarm.log("record").find(std::to_string(pictures) + " events") != std::string::npos);
+    CHECK(lines(swarm.log("results")) == images);
+    CHECK(swarm.log("record").find(std::to_string(images) + " events") != std::string::npos);
     CHECK(lines(swarm.log("collect")) > 0);
     CHECK(std::filesystem::file_size(file("one.jpg")) > 0);
 }
@@ -99,7 +99,7 @@ TEST_CASE("end: with --stay, results, collect, record and view go on behind work
         swarm.hivectl_running({"view", "face-1.annotated", "--http", std::to_string(free_port()), "--stay"}, "view");
     REQUIRE(eventually([&] { return swarm.hivectl({"ps"}).out.find("viewer") != std::string::npos; }, 10'000ms));
     REQUIRE(eventually([&] { return sharing.ended("viewer"); }, 10'000ms));
-    CHECK_FALSE(view.wait(1500ms));  // it would look twice a second whether everything has been shown
+    CHECK_FALSE(view.wait(1500ms));  // it checks twice per second whether everything has been shown
     view.signal(SIGINT);
     CHECK(view.wait(patient(10'000ms)).has_value());
 }

@@ -1,4 +1,4 @@
-// What hostile cameras send: replies, and streams that are valid but for what they cost.
+// Data of hostile cameras: replies, and streams that are valid except for their cost.
 #pragma once
 
 #include <cstdint>
@@ -33,7 +33,7 @@ inline std::string rtsp(const std::string& request, const std::string& status, c
     return "RTSP/1.0 " + status + "\r\n" + sequence(request) + fields + length + "\r\n" + content;
 }
 
-/// A piece of one picture, over TCP (RFC 2326, section 10.12; RFC 6184, section 5.8).
+/// A piece of one image, over TCP (RFC 2326, section 10.12; RFC 6184, section 5.8).
 inline std::string h264_fragment(unsigned number, std::size_t size)
 {
     const auto byte = [](std::size_t value) { return static_cast<char>(value & 255); };
@@ -43,13 +43,13 @@ inline std::string h264_fragment(unsigned number, std::size_t size)
     return std::string{'$', 0, byte(packet.size() >> 8), byte(packet.size())} + packet;
 }
 
-/// A whole picture of 16x16 grey pixels, over TCP (RFC 2435, section 3.1).
+/// A whole image of 16x16 grey pixels, over TCP (RFC 2435, section 3.1).
 inline std::string small_rtp_jpeg(unsigned number)
 {
     std::string packet{static_cast<char>(0x80), static_cast<char>(0x80 | 26), 0, static_cast<char>(number)};
     packet += {0, 0, static_cast<char>(number), 0, 0, 0, 0, 1};             // the time, the source
     packet += {0, 0, 0, 0, 1, 50, 2, 2};                                    // 4:2:0, quality, size in 8 pixels
-    packet += {0x28, static_cast<char>(0xA2), static_cast<char>(0x8A), 0};  // six blocks that say nothing new
+    packet += {0x28, static_cast<char>(0xA2), static_cast<char>(0x8A), 0};  // six blocks without new data
     return std::string{'$', 0, 0, static_cast<char>(packet.size())} + packet;
 }
 
@@ -81,7 +81,7 @@ inline std::string transport_stream(unsigned streams)
     return tables;
 }
 
-/// A valid grey JPEG of one colour, which takes two bits for 64 pixels. More scans say the same again.
+/// A valid grey JPEG of one colour, which takes two bits for 64 pixels. More scans repeat it.
 inline std::string grey_jpeg(unsigned width, unsigned height, int scans = 1)
 {
     const auto bytes = [](std::initializer_list<unsigned> values) {

@@ -1,4 +1,4 @@
-// Network cameras that attack by HTTP: what they send has limits, and they lead the drone to no other place. A twin
+// Network cameras that attack by HTTP: their data has limits, and they cannot redirect the drone. A twin
 // without the limit shows each time that the attack works.
 #include "capture.hpp"
 #include "network_stage.hpp"
@@ -10,7 +10,7 @@
 
 using namespace network;
 
-TEST_CASE("network camera: pictures of a stream come, whatever stands before its first boundary")
+TEST_CASE("network camera: images of a stream arrive, with any bytes before its first boundary")
 {
     const auto jpeg = hostile::part(hostile::grey_jpeg(64, 48));
     for (const std::string before : {"", "\r\n"}) {
@@ -29,7 +29,7 @@ TEST_CASE("network camera: pictures of a stream come, whatever stands before its
     }
 }
 
-TEST_CASE("network camera: a picture of too many pixels is refused by its size, not decoded")
+TEST_CASE("network camera: an image of too many pixels is refused by its size, not decoded")
 {
     const Camera camera(always(hostile::multipart + hostile::part(hostile::grey_jpeg(9000, 9000))));
     CHECK(says(told_by(camera.url()), "an image of 9000x9000 pixels; at most 40000000 are accepted"));
@@ -104,7 +104,7 @@ TEST_CASE("network camera: one that announces many streams by HTTP is refused")
     CHECK_FALSE(says(told_by(camera.url(), UrlLimits::none()), "streams"));
 }
 
-TEST_CASE("network camera: one that is refused is asked again after pauses that grow, and its condition says why")
+TEST_CASE("network camera: a refused one is retried after growing pauses, with the reason in its condition")
 {
     const Camera camera(always(redirection("http://192.0.2.1/")));
     const ::camera::Capture capture([&] { return open_url(settings_of(camera.url()), nullptr); }, 0,

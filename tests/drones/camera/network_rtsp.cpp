@@ -41,7 +41,7 @@ TEST_CASE("network camera: an RTSP reply that announces gigabytes is not read")
     CHECK(camera.sent() - with >= 96 * mebibyte);
 }
 
-TEST_CASE("network camera: an RTSP picture that never ends is refused after 16 MiB")
+TEST_CASE("network camera: an RTSP image that never ends is refused after 16 MiB")
 {
     const Camera camera([](Client& client, const std::string& request) {
         if (request.starts_with("DESCRIBE"))
@@ -79,7 +79,7 @@ TEST_CASE("network camera: of many streams of an RTSP camera few are taken")
     CHECK(taken == 16 + 40);
 }
 
-TEST_CASE("network camera: the description of an RTSP stream tells the frame rate where its pictures do not")
+TEST_CASE("network camera: the frame rate is read from the description of an RTSP stream if its images lack it")
 {
     for (const std::string rate : {"a=framerate:12.5\r\n", "a=framerate:1e9\r\n", ""}) {
         CAPTURE(rate);

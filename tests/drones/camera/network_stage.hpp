@@ -18,7 +18,7 @@ using hostile::Client;
 
 inline constexpr std::size_t mebibyte = 1 << 20;
 
-/// Why the camera is refused, at the latest with its third picture; empty: it is not.
+/// Why the camera is refused, at the latest with its third image; empty: it is not.
 inline std::string told_by(const UrlSettings& settings)
 {
     try {

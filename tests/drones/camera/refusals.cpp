@@ -1,5 +1,5 @@
-// The camera drone as a process, and network cameras that attack it: it says why it refuses one, stays small, and takes
-// another source at once.
+// The camera drone as a process, and network cameras that attack it: it reports why it refuses one, stays small, and
+// takes another source at once.
 #include "hostile_camera.hpp"
 #include "hostile_media.hpp"
 #include "swarm.hpp"

@@ -38,8 +38,8 @@ TEST_CASE("rtsp: slow and quick streams open, over TCP and UDP")
         const auto name = "camera-" + fps;
         const auto camera = swarm.drone("camera", name, {"source=" + server.url(), "transport=" + transport});
         auto application = swarm.application();
-        const auto pictures = application.collect({{name, "image"}});
-        const auto event = pictures->next(patient(20'000ms));
+        const auto images = application.collect({{name, "image"}});
+        const auto event = images->next(patient(20'000ms));
         REQUIRE_MESSAGE(event, application.status(name).condition);
         CHECK(event->header.at("width") == 320);
         CHECK(event->header.value("fps", 0.0) == doctest::Approx(std::stod(fps)));
@@ -47,7 +47,7 @@ TEST_CASE("rtsp: slow and quick streams open, over TCP and UDP")
     }
 }
 
-TEST_CASE("rtsp: a login comes from a file, is said to be missing or wrong, and is seen nowhere")
+TEST_CASE("rtsp: a login is read from a file, reported as missing or wrong, and never printed")
 {
     const Swarm swarm;
     const RtspServer server(swarm, rtsp_port(5), "30", {"--login", "viewer:s3cr:t/%"});
@@ -73,7 +73,7 @@ TEST_CASE("rtsp: a login comes from a file, is said to be missing or wrong, and 
     CHECK_FALSE(says_so(application.get("camera").dump(), "s3cr"));
 }
 
-TEST_CASE("rtsp: a camera that goes away and comes back gives pictures again")
+TEST_CASE("rtsp: a camera that goes away and comes back gives images again")
 {
     const Swarm swarm;
     RtspServer server(swarm, rtsp_port(8), "30");
@@ -81,14 +81,14 @@ TEST_CASE("rtsp: a camera that goes away and comes back gives pictures again")
         return;
     const auto camera = swarm.drone("camera", "camera", {"source=" + server.url()});
     auto application = swarm.application();
-    const auto pictures = application.collect({{"camera", "image"}});
-    REQUIRE(pictures->next(patient(20'000ms)));
+    const auto images = application.collect({{"camera", "image"}});
+    REQUIRE(images->next(patient(20'000ms)));
     server.kill();
     CHECK(eventually([&] { return !condition_of(application).empty(); }, 20'000ms));
-    while (pictures->next(0ms)) {
+    while (images->next(0ms)) {
     }
     const RtspServer again(swarm, rtsp_port(8), "30");
-    const auto event = pictures->next(patient(20'000ms));
+    const auto event = images->next(patient(20'000ms));
     REQUIRE_MESSAGE(event, condition_of(application));
     CHECK(event->age() < patient(2000ms));
 }

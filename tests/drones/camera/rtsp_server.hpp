@@ -10,7 +10,7 @@
 
 namespace hive::test {
 
-/// Each test has ports of its own, since they may run at once; below those that the system gives to whoever asks.
+/// Each test has ports of its own, since they may run at once; below the ephemeral ports of the system.
 inline std::string rtsp_port(int number) { return std::to_string(20'000 + ::getpid() % 1'200 * 10 + number); }
 
 /// Ended with this.

@@ -1,4 +1,4 @@
-// The synthetic scene: its truth is true, and real detectors find what it draws.
+// The synthetic scene: its ground truth is correct, and real detectors find its objects.
 #include "drawn_face.hpp"
 #include "media.hpp"
 #include "overlap.hpp"
@@ -33,17 +33,17 @@ std::vector<cv::Rect2d> boxes_of(const std::vector<camera::Truth>& truth)
 
 }  // namespace
 
-TEST_CASE("scene: a picture depends on the settings and its index alone")
+TEST_CASE("scene: an image depends on the settings and its index alone")
 {
     const SceneSettings same = settings({320, 240}, Background::noise, 2);
     const Scene one(same), other(same);
-    static_cast<void>(other.picture(3));
-    CHECK(media::same(one.picture(7).image, other.picture(7).image));
-    CHECK(one.picture(7).truth == other.picture(7).truth);
-    CHECK_FALSE(media::same(one.picture(7).image, one.picture(8).image));
+    static_cast<void>(other.frame(3));
+    CHECK(media::same(one.frame(7).image, other.frame(7).image));
+    CHECK(one.frame(7).truth == other.frame(7).truth);
+    CHECK_FALSE(media::same(one.frame(7).image, one.frame(8).image));
     SceneSettings reseeded = same;
     reseeded.seed = 2;
-    CHECK_FALSE(media::same(one.picture(7).image, Scene(reseeded).picture(7).image));
+    CHECK_FALSE(media::same(one.frame(7).image, Scene(reseeded).frame(7).image));
 }
 
 TEST_CASE("scene: faces stay inside with hair and chin, and never meet")
@@ -54,7 +54,7 @@ TEST_CASE("scene: faces stay inside with hair and chin, and never meet")
             still.noise = 0;
             const Scene scene(still);
             for (int index = 0; index < 600; index += 7) {
-                const auto truth = scene.picture(index).truth;
+                const auto truth = scene.frame(index).truth;
                 REQUIRE(truth.size() == static_cast<std::size_t>(faces));
                 for (std::size_t i = 0; i < truth.size(); ++i) {
                     const cv::Rect2d box = truth[i].box;
@@ -69,22 +69,22 @@ TEST_CASE("scene: faces stay inside with hair and chin, and never meet")
         }
 }
 
-TEST_CASE("scene: the noise has the deviation that was asked for, anew in each picture")
+TEST_CASE("scene: the noise has the configured deviation, and differs in each image")
 {
     SceneSettings still = settings({320, 240}, Background::plain, 0);
     still.noise = 6;
     const Scene scene(still);
     cv::Scalar mean, deviation;
-    cv::meanStdDev(scene.picture(1).image, mean, deviation);
+    cv::meanStdDev(scene.frame(1).image, mean, deviation);
     CHECK(mean[0] == doctest::Approx(130).epsilon(0.01));
     CHECK(deviation[0] == doctest::Approx(6).epsilon(0.05));
     cv::Mat difference;
-    cv::subtract(scene.picture(1).image, scene.picture(2).image, difference, cv::noArray(), CV_16S);
+    cv::subtract(scene.frame(1).image, scene.frame(2).image, difference, cv::noArray(), CV_16S);
     cv::meanStdDev(difference, mean, deviation);
     CHECK(deviation[1] == doctest::Approx(6 * 1.4142).epsilon(0.05));
 }
 
-TEST_CASE("scene: drawing outside the picture is cut off, not written")
+TEST_CASE("scene: drawing outside the image is cut off, not written")
 {
     cv::Mat guarded(60, 60, CV_8UC3, cv::Scalar::all(9));
     cv::Mat inner = guarded(cv::Rect(20, 20, 20, 20));
@@ -108,9 +108,9 @@ TEST_CASE("scene: a face finder finds 99 of 100 faces and hardly anything else")
         int faces;
     };
 #ifdef HIVE_SANITIZED
-    constexpr int pictures = 25;
+    constexpr int images = 25;
 #else
-    constexpr int pictures = 100;
+    constexpr int images = 100;
 #endif
     face::FaceFinder finder;
     finder.load(face::default_cascade);
@@ -119,12 +119,12 @@ TEST_CASE("scene: a face finder finds 99 of 100 faces and hardly anything else")
                              {{640, 480}, Background::plain, 3}}) {
         const Scene scene(settings(seen.size, seen.background, seen.faces));
         overlap::Score score;
-        for (int index = 0; index < pictures; ++index) {
-            const auto picture = scene.picture(index * 5);
-            score.add(finder.find(picture.image), boxes_of(picture.truth), 0.5);
+        for (int index = 0; index < images; ++index) {
+            const auto image = scene.frame(index * 5);
+            score.add(finder.find(image.image), boxes_of(image.truth), 0.5);
         }
         CAPTURE(static_cast<int>(seen.background));
-        CHECK(score.hits * 100 >= 99 * pictures * seen.faces);
+        CHECK(score.hits * 100 >= 99 * images * seen.faces);
         CHECK(score.false_alarms <= 2);
     }
 }

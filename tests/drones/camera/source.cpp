@@ -1,4 +1,4 @@
-// Sources: what a text names, what is refused and why, what comes out in which order.
+// Sources: their texts, refusals with reasons, and the order of their images.
 #include "media.hpp"
 #include "source.hpp"
 #include "video_source.hpp"
@@ -37,19 +37,19 @@ std::string refusal(const std::string& text)
 
 bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
-/// At 12 fps; each picture is brighter than the one before.
-std::string write_clip(const std::filesystem::path& path, int pictures)
+/// At 12 fps; each image is brighter than the one before.
+std::string write_clip(const std::filesystem::path& path, int images)
 {
     cv::VideoWriter writer(path.string(), cv::CAP_FFMPEG, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 12, {64, 48});
     REQUIRE(writer.isOpened());
-    for (int i = 0; i < pictures; ++i)
+    for (int i = 0; i < images; ++i)
         writer.write(cv::Mat(48, 64, CV_8UC3, cv::Scalar::all(20 * i % 250)));
     return path.string();
 }
 
 }  // namespace
 
-TEST_CASE("source: the text tells the kind")
+TEST_CASE("source: the text determines the kind")
 {
     const media::Folder folder;
     const auto path = [&](const char* name) {
@@ -75,7 +75,7 @@ TEST_CASE("source: what a device gives is held against what it was asked for")
     CHECK(camera::to_text({"", {640, 480}, 0}) == "640x480");
     CHECK(camera::fits({}, got));
     CHECK(camera::fits({"MJPG", {1280, 720}, 30}, got));
-    CHECK(camera::fits({"", {1280, 720}, 30}, {"YUYV", {1280, 720}, 0}));  // it does not tell its rate
+    CHECK(camera::fits({"", {1280, 720}, 30}, {"YUYV", {1280, 720}, 0}));  // its rate is unknown
     CHECK_FALSE(camera::fits({"YUYV", {1280, 720}, 30}, got));
     CHECK_FALSE(camera::fits({"MJPG", {640, 480}, 30}, got));
     CHECK_FALSE(camera::fits({"MJPG", {1280, 720}, 60}, got));
@@ -85,17 +85,17 @@ TEST_CASE("source: what a device gives is held against what it was asked for")
     CHECK_FALSE(camera::is_format("a b"));
 }
 
-TEST_CASE("source: a refusal says what is missing")
+TEST_CASE("source: a refusal names the missing part")
 {
     CHECK(contains(refusal("/nowhere/at/all.mp4"), "no such file: /nowhere/at/all.mp4"));
-    CHECK(contains(refusal("scene:sea"), "no scene:sea"));
+    CHECK(contains(refusal("scene:sea"), "unknown source scene:sea"));
     CHECK(contains(refusal("/dev/video987"), "no such device: /dev/video987"));
     CHECK(contains(refusal("ftp://host/x"), "ftp://"));
     CHECK(contains(refusal("http:///x"), "no host"));
     CHECK(contains(refusal(""), "empty"));
     CHECK(contains(refusal("/dev/null"), "neither a file nor a folder"));
     const media::Folder folder;
-    CHECK(contains(refusal(folder.path().string()), "no pictures in"));
+    CHECK(contains(refusal(folder.path().string()), "no images in"));
     media::write(folder.path() / "not.mp4", {'n', 'o'});
     CHECK(contains(refusal((folder.path() / "not.mp4").string()), "not a video"));
 }
@@ -124,7 +124,7 @@ TEST_CASE("source: a JPEG file is given as its bytes, untouched")
     CHECK_FALSE(source->next());
 }
 
-TEST_CASE("source: a folder gives its pictures by name, once or again and again")
+TEST_CASE("source: a folder returns its images by name, once or in a loop")
 {
     const media::Folder folder;
     for (const int i : {3, 1, 2})
@@ -147,7 +147,7 @@ TEST_CASE("source: a folder gives its pictures by name, once or again and again"
         CHECK(endless->next()->index == i % 3);
 }
 
-TEST_CASE("source: a damaged picture in a folder is told and passed over")
+TEST_CASE("source: a damaged image in a folder is reported and skipped")
 {
     const media::Folder folder;
     media::write(folder.path() / "1.png", {1, 2, 3});
@@ -157,13 +157,13 @@ TEST_CASE("source: a damaged picture in a folder is told and passed over")
     CHECK(source->next()->index == 1);
 }
 
-TEST_CASE("source: a folder takes every format that OpenCV reads, whatever it is called, and names what it leaves out")
+TEST_CASE("source: a folder has every format that OpenCV reads, under any name, and reports skipped files")
 {
     const media::Folder folder;
-    const cv::Mat picture = media::sample({20, 10}, CV_8UC3);
+    const cv::Mat image = media::sample({20, 10}, CV_8UC3);
     for (const char* ending : {".bmp", ".png", ".ppm", ".ras", ".tiff", ".webp"})
-        media::write(folder.path() / ("a" + std::string(ending)), media::encoded(ending, picture));
-    media::write(folder.path() / "b.dat", media::encoded(".png", picture));
+        media::write(folder.path() / ("a" + std::string(ending)), media::encoded(ending, image));
+    media::write(folder.path() / "b.dat", media::encoded(".png", image));
     media::write(folder.path() / "notes.txt", {'x'});
     media::write(folder.path() / ".hidden", {'x'});
     const auto source = open_source(once(folder.path().string()));
@@ -171,7 +171,7 @@ TEST_CASE("source: a folder takes every format that OpenCV reads, whatever it is
     int count = 0;
     while (const auto frame = source->next()) {
         CAPTURE(frame->file);
-        CHECK(frame->image.size() == picture.size());
+        CHECK(frame->image.size() == image.size());
         ++count;
     }
     CHECK(count == 7);
@@ -182,20 +182,20 @@ TEST_CASE("source: a folder takes every format that OpenCV reads, whatever it is
     CHECK_FALSE(contains(news[0], "hidden"));
 }
 
-TEST_CASE("source: grey pictures of 16 bits keep them, others are as cv::imread gives them")
+TEST_CASE("source: grey images of 16 bits keep them, others are as cv::imread gives them")
 {
     const media::Folder folder;
     for (const int type : {CV_8UC1, CV_8UC3, CV_16UC1, CV_16UC3}) {
         const auto path = (folder.path() / (std::to_string(type) + ".png")).string();
-        const cv::Mat picture = media::sample({40, 30}, type);
-        media::write(path, media::encoded(".png", picture));
+        const cv::Mat image = media::sample({40, 30}, type);
+        media::write(path, media::encoded(".png", image));
         const auto frame = open_source(once(path))->next();
         REQUIRE(frame);
-        CHECK(media::same(frame->image, type == CV_16UC1 ? picture : cv::imread(path)));
+        CHECK(media::same(frame->image, type == CV_16UC1 ? image : cv::imread(path)));
     }
 }
 
-TEST_CASE("source: the scene has its size, 640x480 unless told, and knows the truth")
+TEST_CASE("source: the scene has its size, by default 640x480, and ground truth")
 {
     SourceSettings settings = once("scene:plain");
     CHECK(open_source(settings)->next()->image.size() == cv::Size(640, 480));
@@ -208,7 +208,7 @@ TEST_CASE("source: the scene has its size, 640x480 unless told, and knows the tr
     CHECK_THROWS(open_source(settings));
 }
 
-TEST_CASE("source: a video gives every picture once, or begins again")
+TEST_CASE("source: a video returns every image once, or in a loop")
 {
     const media::Folder folder;
     const std::string path = (folder.path() / "v.avi").string();
@@ -219,14 +219,14 @@ TEST_CASE("source: a video gives every picture once, or begins again")
     writer.release();
     const auto source = open_source(once(path));
     CHECK(source->fps() == doctest::Approx(12));
-    std::vector<cv::Mat> pictures;
+    std::vector<cv::Mat> images;
     while (auto frame = source->next()) {
-        CHECK(frame->index == static_cast<std::int64_t>(pictures.size()));
-        pictures.push_back(frame->image);
+        CHECK(frame->index == static_cast<std::int64_t>(images.size()));
+        images.push_back(frame->image);
     }
-    REQUIRE(pictures.size() == 10);
+    REQUIRE(images.size() == 10);
     for (int i = 0; i < 10; ++i)  // each keeps its own pixels
-        CHECK(cv::mean(pictures[static_cast<std::size_t>(i)])[0] == doctest::Approx(20 * i).epsilon(0.05));
+        CHECK(cv::mean(images[static_cast<std::size_t>(i)])[0] == doctest::Approx(20 * i).epsilon(0.05));
     SourceSettings looped = once(path);
     looped.loop = true;
     const auto endless = open_source(looped);
@@ -234,11 +234,11 @@ TEST_CASE("source: a video gives every picture once, or begins again")
         const auto frame = endless->next();
         REQUIRE(frame);
         CHECK(frame->index == i % 10);
-        CHECK(media::same(frame->image, pictures[static_cast<std::size_t>(i % 10)]));
+        CHECK(media::same(frame->image, images[static_cast<std::size_t>(i % 10)]));
     }
 }
 
-TEST_CASE("source: a picture of a video knows its file, its time there and the rate, again in each round")
+TEST_CASE("source: an image of a video has its file, its time there and the rate, in each round")
 {
     const media::Folder folder;
     const std::string path = write_clip(folder.path() / "v.avi", 10);
@@ -252,13 +252,13 @@ TEST_CASE("source: a picture of a video knows its file, its time there and the r
         CHECK(frame->fps == doctest::Approx(12));
         REQUIRE(frame->media_time);
         CHECK(std::abs(frame->media_time->count() - i % 10 * 1'000'000 / 12) <= 1000);
-        CHECK(frame->begins_again == (i > 0 && i % 10 == 0));
+        CHECK(frame->restarts == (i > 0 && i % 10 == 0));
     }
     CHECK(source->count() == 0);
     CHECK(open_source(once(path))->count() == 10);
 }
 
-TEST_CASE("source: a clip that is shorter than it says tells how much there is, once")
+TEST_CASE("source: a truncated clip reports its length, once")
 {
     const media::Folder folder;
     const std::string path = write_clip(folder.path() / "v.avi", 100);
@@ -285,11 +285,11 @@ TEST_CASE("source: a clip that is shorter than it says tells how much there is, 
     CHECK(whole->cut_short().empty());
 }
 
-TEST_CASE("source: the media's videos and the GIF have as many pictures as they should (needs media)")
+TEST_CASE("source: the media's videos and the GIF have as many images as they should (needs media)")
 {
     struct Case {
         const char* name;
-        int pictures;
+        int images;
     };
     for (const Case& video :
          {Case{"face_over_brick.mp4", 120}, {"head-pose-face-detection-male.gif", 62}, {"asl_thanks.mkv", 51}})
@@ -299,6 +299,6 @@ TEST_CASE("source: the media's videos and the GIF have as many pictures as they 
             while (source->next())
                 ++count;
             CAPTURE(std::string(video.name));
-            CHECK(count == video.pictures);
+            CHECK(count == video.images);
         }
 }

@@ -1,4 +1,4 @@
-// The camera drone in a swarm: what it cannot give is said, and holds up nobody.
+// The camera drone in a swarm: unreadable images are reported, and block no receiver.
 #include "media.hpp"
 #include "swarm.hpp"
 
@@ -13,7 +13,7 @@ using namespace std::chrono_literals;
 
 namespace {
 
-/// Six pictures, of which the third and the fourth are damaged: one cannot be read, one only not be decoded.
+/// Six images, of which the third and the fourth are damaged: one cannot be read, one only not be decoded.
 void fill(const std::filesystem::path& folder)
 {
     const auto png = media::encoded(".png", media::sample({64, 48}, CV_8UC3));
@@ -28,8 +28,7 @@ void fill(const std::filesystem::path& folder)
 
 }  // namespace
 
-TEST_CASE(
-    "camera: a damaged picture in a folder on demand has a number, an exception with that, and nobody waits for it")
+TEST_CASE("camera: a damaged image in a folder on demand has a number and an exception, and blocks no receiver")
 {
     const Swarm swarm;
     const media::Folder folder;
@@ -38,15 +37,15 @@ TEST_CASE(
         swarm.drone("camera", "camera", {"source=" + folder.path().string(), "width=32", "pace=demand", "loop=off"});
     auto application = swarm.application();
     const auto exceptions = application.exceptions({"camera"});
-    const auto pictures = application.collect({{"camera", "image"}}, {.ordered = true});
+    const auto images = application.collect({{"camera", "image"}}, {.ordered = true});
     for (const std::int64_t sequence : {1, 2, 5, 6}) {
-        const auto event = pictures->next(patient(5000ms));
+        const auto event = images->next(patient(5000ms));
         REQUIRE(event);
         CHECK(event->identity.sequence == sequence);
         CHECK(event->header.at("index") == sequence - 1);
     }
-    CHECK(pictures->counts().failed == 2);
-    CHECK(pictures->counts().missing == 0);
+    CHECK(images->counts().failed == 2);
+    CHECK(images->counts().missing == 0);
     for (const auto& [sequence, file] : {std::pair{3, "3.png"}, std::pair{4, "4.jpg"}}) {
         const auto exception = exceptions->next(patient(2000ms));
         REQUIRE(exception);
@@ -56,7 +55,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("camera: a broken picture in a loop is an exception with its name, once")
+TEST_CASE("camera: a broken image in a loop is an exception with its name, once")
 {
     const Swarm swarm;
     const media::Folder folder;
@@ -68,9 +67,9 @@ TEST_CASE("camera: a broken picture in a loop is an exception with its name, onc
                         {"source=" + folder.path().string(), "width=32", "fps=200", "pace=" + std::string(pace)});
         auto application = swarm.application();
         const auto name = "camera-" + std::string(pace);
-        const auto pictures = application.collect({{name, "image"}});
+        const auto images = application.collect({{name, "image"}});
         for (int i = 0; i < 30; ++i)
-            REQUIRE(pictures->next(patient(5000ms)));
+            REQUIRE(images->next(patient(5000ms)));
         const auto& outputs = application.status(name).outputs;
         const auto found = std::ranges::find(outputs, std::string("exceptions"), &hive::OutputStatus::name);
         REQUIRE(found != outputs.end());
@@ -88,22 +87,22 @@ TEST_CASE("camera: the events of a file say where they are from, and another sou
     const auto source = folder.path().string();
     const auto camera = swarm.drone("camera", "camera", {"source=" + source, "pace=demand", "loop=off", "fps=10"});
     auto application = swarm.application();
-    const auto pictures = application.collect({{"camera", "image"}});
-    const auto first = pictures->next(patient(5000ms)), second = pictures->next(patient(5000ms));
+    const auto images = application.collect({{"camera", "image"}});
+    const auto first = images->next(patient(5000ms)), second = images->next(patient(5000ms));
     REQUIRE((first && second));
     CHECK(first->header.at("file") == source + "/1.png");
     CHECK(second->header.at("media_time_us") == 100'000);
-    CHECK_FALSE(pictures->next(patient(5000ms)));
-    CHECK(pictures->ended() == "");
+    CHECK_FALSE(images->next(patient(5000ms)));
+    CHECK(images->ended() == "");
     CHECK(application.status("camera").why == hive::Reason::source_ended);
     application.set("camera", {{"source", source + "/2.png"}});
     std::optional<hive::Event> other;
-    REQUIRE(eventually([&] { return (other = pictures->next(50ms)).has_value(); }));
+    REQUIRE(eventually([&] { return (other = images->next(50ms)).has_value(); }));
     CHECK(other->identity.epoch > second->identity.epoch);
     CHECK(other->identity.sequence == 1);
 }
 
-TEST_CASE("camera: a picture that would become too large for anybody is told, and has its place in the sequence")
+TEST_CASE("camera: an image that exceeds the limit is reported, and has its number in the sequence")
 {
     const Swarm swarm;
     const media::Folder folder;
@@ -115,9 +114,9 @@ TEST_CASE("camera: a picture that would become too large for anybody is told, an
         swarm.drone("camera", "camera", {"source=" + folder.path().string(), "width=400", "pace=demand", "loop=off"});
     auto application = swarm.application();
     const auto exceptions = application.exceptions({"camera"});
-    const auto pictures = application.collect({{"camera", "image"}}, {.ordered = true});
+    const auto images = application.collect({{"camera", "image"}}, {.ordered = true});
     for (const std::int64_t sequence : {1, 3}) {
-        const auto event = pictures->next(patient(5000ms));
+        const auto event = images->next(patient(5000ms));
         REQUIRE(event);
         CHECK(event->identity.sequence == sequence);
     }

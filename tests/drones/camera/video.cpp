@@ -1,4 +1,4 @@
-// Videos as ffmpeg writes them: which are whole, which are said to be damaged, at what time each frame is, which
+// Videos as ffmpeg writes them: which are complete, which are reported as damaged, at what time each frame is, which
 // pixels.
 #include "media.hpp"
 #include "source.hpp"
@@ -22,7 +22,7 @@ bool has_ffmpeg()
     return hive::test::possible(fs::exists("/usr/bin/ffmpeg") ? "" : "ffmpeg, of Debian's package of that name");
 }
 
-/// @param from  the words that tell ffmpeg what to read; empty: 45 drawn frames at 30 a second
+/// @param from  arguments for the input of ffmpeg; empty: 45 drawn frames at 30 per second
 std::string made(const media::Folder& folder, const std::string& name, const std::string& options,
                  const std::string& from = "")
 {
@@ -39,7 +39,7 @@ constexpr const char* uneven = R"(-vf "setpts='if(lt(N,20),N,3*N-40)'" -vsync vf
 double due(int index) { return index < 20 ? index / 30.0 : 20 / 30.0 + (index - 20) / 10.0; }
 
 struct Played {
-    std::vector<cv::Mat> pictures;
+    std::vector<cv::Mat> images;
     std::vector<double> times;  ///< s
     std::string complaint;
     std::int64_t count = 0;
@@ -53,7 +53,7 @@ Played play(const std::string& path)
     const auto source = camera::open_source(settings);
     Played played;
     while (const auto frame = source->next()) {
-        played.pictures.push_back(frame->image);
+        played.images.push_back(frame->image);
         played.times.push_back(frame->media_time ? static_cast<double>(frame->media_time->count()) / 1e6 : -1);
     }
     played.complaint = source->cut_short();
@@ -65,7 +65,7 @@ bool complains(const std::string& text, const std::string& part) { return text.f
 
 }  // namespace
 
-TEST_CASE("video: whatever the container estimates, a file that is read to its end is whole (needs ffmpeg)")
+TEST_CASE("video: a file that is read to its end is complete, for any estimate of its container (needs ffmpeg)")
 {
     if (!has_ffmpeg())
         return;
@@ -89,13 +89,13 @@ TEST_CASE("video: whatever the container estimates, a file that is read to its e
         CAPTURE(file.path);
         const auto played = play(file.path);
         CHECK(played.complaint.empty());
-        CHECK(played.pictures.size() == file.frames);
+        CHECK(played.images.size() == file.frames);
         CHECK(played.count == static_cast<std::int64_t>(file.frames));
         CHECK(played.times[0] == 0);
     }
 }
 
-TEST_CASE("video: one that begins in the middle of a broadcast is whole from its first picture on (needs ffmpeg)")
+TEST_CASE("video: one that starts in the middle of a broadcast is complete from its first image (needs ffmpeg)")
 {
     if (!has_ffmpeg())
         return;
@@ -107,10 +107,10 @@ TEST_CASE("video: one that begins in the middle of a broadcast is whole from its
         media::write(path, media::Bytes(whole.begin() + 188 * 20, whole.end()));
         const auto played = play(path);
         CHECK(played.complaint.empty());
-        CHECK(played.pictures.size() >= 15);
-        CHECK(played.pictures.size() < 45);
+        CHECK(played.images.size() >= 15);
+        CHECK(played.images.size() < 45);
     }
-    // More bytes before it than FFmpeg looks at in advance: the decoder refuses what comes first.
+    // More bytes before it than FFmpeg probes: the decoder refuses the first packets.
     const auto path = made(folder, "large.ts", "-c:v libx264 -preset ultrafast -qp 1 -g 15",
                            "-f lavfi -i testsrc2=size=640x480:rate=30:duration=1,noise=alls=100:allf=t");
     const media::Bytes whole = media::read(path);
@@ -118,10 +118,10 @@ TEST_CASE("video: one that begins in the middle of a broadcast is whole from its
     media::write(path, media::Bytes(whole.begin() + 188 * 2'000, whole.end()));
     const auto played = play(path);
     CHECK_MESSAGE(played.complaint.empty(), played.complaint);
-    CHECK(played.pictures.size() == 15);
+    CHECK(played.images.size() == 15);
 }
 
-TEST_CASE("video: one that is cut off or damaged says so, and what it has is played (needs ffmpeg)")
+TEST_CASE("video: a truncated or damaged one is reported, and its content is played (needs ffmpeg)")
 {
     if (!has_ffmpeg())
         return;
@@ -136,8 +136,8 @@ TEST_CASE("video: one that is cut off or damaged says so, and what it has is pla
         media::write(path, media::Bytes(whole.begin(), whole.begin() + std::ssize(whole) * 7 / 10));
         const auto cut = play(path);
         CHECK_MESSAGE(complains(cut.complaint, "frames: the file is damaged or was cut short"), cut.complaint);
-        CHECK(cut.pictures.size() >= 15);
-        CHECK(cut.pictures.size() < 45);
+        CHECK(cut.images.size() >= 15);
+        CHECK(cut.images.size() < 45);
         media::Bytes damaged = whole;
         std::minstd_rand random(1);
         for (std::size_t i = 0; i < 600; ++i)
@@ -147,14 +147,14 @@ TEST_CASE("video: one that is cut off or damaged says so, and what it has is pla
     }
     const media::Bytes whole = media::read(made(folder, "b.mp4", "-c:v libx264 -movflags +faststart"));
     media::write(mp4, media::Bytes(whole.begin(), whole.begin() + std::ssize(whole) * 7 / 10));
-    CHECK(complains(play(mp4).complaint, " of 45 frames: the file is"));  // its table tells
+    CHECK(complains(play(mp4).complaint, " of 45 frames: the file is"));  // by its index
     const auto path = made(folder, "no_start.ts", "-c:v libx264 -g 100");
     const media::Bytes stream = media::read(path);
     media::write(path, media::Bytes(stream.begin() + 188 * 20, stream.end()));
     CHECK(complains(play(path).complaint, ": 0 of "));
 }
 
-TEST_CASE("video: one that cannot be opened says why (needs ffmpeg)")
+TEST_CASE("video: the reason why one cannot be opened is reported (needs ffmpeg)")
 {
     if (!has_ffmpeg())
         return;
@@ -169,7 +169,7 @@ TEST_CASE("video: one that cannot be opened says why (needs ffmpeg)")
                       doctest::Contains("it contains no video"));
 }
 
-TEST_CASE("video: frames over 40 Mpixel are not decoded, and that is said (needs ffmpeg)")
+TEST_CASE("video: frames over 40 Mpixel are reported, not decoded (needs ffmpeg)")
 {
     if (!has_ffmpeg())
         return;
@@ -177,12 +177,12 @@ TEST_CASE("video: frames over 40 Mpixel are not decoded, and that is said (needs
     const auto giant = [&](const std::string& size) {
         return made(folder, size + ".mkv", "-frames:v 1 -c:v png", "-f lavfi -i color=size=" + size);
     };
-    CHECK(play(giant("7000x5000")).pictures.size() == 1);
+    CHECK(play(giant("7000x5000")).images.size() == 1);
     const auto path = giant("8000x6000");
     const auto read = [&] {
         try {
             const auto played = play(path);
-            CHECK(played.pictures.empty());
+            CHECK(played.images.empty());
             return played.complaint;
         } catch (const std::runtime_error& error) {
             return std::string(error.what());
@@ -210,7 +210,7 @@ TEST_CASE("video: each frame has the time at which the file presents it, to the 
         CHECK(std::abs(times[static_cast<std::size_t>(i)] - i / 30.0) <= 0.001);
 }
 
-TEST_CASE("video: the pixels are those that OpenCV gives, whatever the size and the format (needs ffmpeg)")
+TEST_CASE("video: the pixels are those of OpenCV for every size and format (needs ffmpeg)")
 {
     if (!has_ffmpeg())
         return;
@@ -222,12 +222,12 @@ TEST_CASE("video: the pixels are those that OpenCV gives, whatever the size and 
         CAPTURE(std::string(options));
         const auto path = made(folder, std::to_string(number++) + ".mkv", options);
         const auto played = play(path);
-        REQUIRE(played.pictures.size() == 45);
+        REQUIRE(played.images.size() == 45);
         cv::VideoCapture plain(path, cv::CAP_FFMPEG);
         cv::Mat expected;
-        for (const cv::Mat& picture : played.pictures) {
+        for (const cv::Mat& image : played.images) {
             REQUIRE(plain.read(expected));
-            CHECK(media::same(picture, expected));
+            CHECK(media::same(image, expected));
         }
     }
 }
@@ -238,7 +238,7 @@ TEST_CASE("video: one that was filmed with the camera on its side is shown uprig
         return;
     const media::Folder folder;
     const auto path = made(folder, "a.mp4", "-c:v libx264");
-    const cv::Mat plain = play(path).pictures.at(0);
+    const cv::Mat plain = play(path).images.at(0);
     // Against the clock, as ffmpeg 5.1 writes it and players show it; OpenCV 4.6 turns it the other way round.
     for (const int degrees : {90, 180, 270}) {
         CAPTURE(degrees);
@@ -247,12 +247,12 @@ TEST_CASE("video: one that was filmed with the camera on its side is shown uprig
             play(made(folder, text + ".mp4", "-metadata:s:v rotate=" + text + " -c copy", "-i " + path));
         cv::Mat expected;
         cv::rotate(plain, expected, 3 - degrees / 90);
-        CHECK(media::same(turned.pictures.at(0), expected));
-        CHECK(turned.pictures.size() == 45);
+        CHECK(media::same(turned.images.at(0), expected));
+        CHECK(turned.images.size() == 45);
     }
 }
 
-TEST_CASE("video: one that is gone when it should begin again is refused each time, until it is back (needs ffmpeg)")
+TEST_CASE("video: a looped one that was removed is refused until it is back (needs ffmpeg)")
 {
     if (!has_ffmpeg())
         return;
@@ -270,6 +270,6 @@ TEST_CASE("video: one that is gone when it should begin again is refused each ti
     media::write(settings.text, whole);
     const auto again = source->next();
     REQUIRE(again);
-    CHECK(again->begins_again);
+    CHECK(again->restarts);
     CHECK(again->index == 0);
 }

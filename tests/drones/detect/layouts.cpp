@@ -1,4 +1,4 @@
-// Layouts told apart by the shapes of the outputs, and by what else is known of the network.
+// Distinguishes layouts by the shapes of the outputs, and by other information on the network.
 #include "table.hpp"
 
 #include <layouts.hpp>
@@ -12,7 +12,7 @@ using Shapes = std::vector<std::vector<int>>;
 
 namespace {
 
-const cv::Size usual_input(640, 640);
+const cv::Size default_input(640, 640);
 
 /// The likeliest layout; "none" without one.
 std::string_view layout_of(const Shapes& shapes, const Knowledge& known, std::string_view wanted = {})
@@ -23,12 +23,13 @@ std::string_view layout_of(const Shapes& shapes, const Knowledge& known, std::st
 
 std::string_view layout_of(const std::vector<int>& shape, std::size_t classes, std::string_view wanted = {})
 {
-    return layout_of(Shapes{shape}, Knowledge{.classes = classes, .input = usual_input}, wanted);
+    return layout_of(Shapes{shape}, Knowledge{.classes = classes, .input = default_input}, wanted);
 }
 
 std::string_view with_task(const Shapes& shapes, const char* task, std::size_t classes, int keypoints = 0)
 {
-    return layout_of(shapes, Knowledge{.classes = classes, .input = usual_input, .task = task, .keypoints = keypoints});
+    return layout_of(shapes,
+                     Knowledge{.classes = classes, .input = default_input, .task = task, .keypoints = keypoints});
 }
 
 /// What speaks against the likeliest layout, and the layout that nothing speaks against.
@@ -38,7 +39,7 @@ std::pair<std::string, std::string_view> choice(const std::vector<cv::Mat>& outp
     for (const cv::Mat& output : outputs)
         shapes.emplace_back(output.size.p, output.size.p + output.dims);
     std::string first;
-    for (const auto& place : detect::places_in(shapes, {.classes = classes, .input = usual_input})) {
+    for (const auto& place : detect::places_in(shapes, {.classes = classes, .input = default_input})) {
         const auto wrong = detect::objection(outputs, place);
         if (!wrong)
             return {first, place.layout->name};
@@ -57,7 +58,7 @@ TEST_CASE("layouts: each has a name of its own")
     CHECK_THROWS_AS(static_cast<void>(detect::layout_named("yolov99")), std::out_of_range);
 }
 
-TEST_CASE("layouts: the classes that were named tell them apart")
+TEST_CASE("layouts: distinguished by the number of class names")
 {
     CHECK(layout_of({1, 25200, 85}, 80) == "yolov5");
     CHECK(layout_of({1, 84, 8400}, 80) == "yolov8");
@@ -99,7 +100,7 @@ TEST_CASE("layouts: six numbers a row are a finished list, also of one class, un
 TEST_CASE("layouts: boxes and scores may be apart, in any order, with as many rows")
 {
     const auto place = [](const Shapes& shapes, std::size_t classes) {
-        return detect::places_in(shapes, {.classes = classes, .input = usual_input});
+        return detect::places_in(shapes, {.classes = classes, .input = default_input});
     };
     const auto found = place({{1, 3000, 21}, {1, 3000, 4}}, 0);
     REQUIRE(!found.empty());
@@ -121,11 +122,11 @@ TEST_CASE("layouts: three outputs of as many rows are boxes, classes and scores;
     CHECK(choice({scores, boxes, labels}, 0)
           == std::pair(std::string("as lists it gives a score of 3, which is not between 0 and 1"),
                        std::string_view("none")));
-    CHECK(layout_of({{1, 0, 4}, {1, 0}, {1, 0}}, {.input = usual_input}) == "lists");  // nothing is seen
-    CHECK(layout_of({{1, 2, 4}, {1, 2}, {1, 3}}, {.input = usual_input}) == "none");
+    CHECK(layout_of({{1, 0, 4}, {1, 0}, {1, 0}}, {.input = default_input}) == "lists");  // nothing is seen
+    CHECK(layout_of({{1, 2, 4}, {1, 2}, {1, 3}}, {.input = default_input}) == "none");
 }
 
-TEST_CASE("layouts: of logits apart, the number of names tells whether the last class is no object")
+TEST_CASE("layouts: with separate logits, the number of names shows whether the last class is \"no object\"")
 {
     const std::vector<cv::Mat> outputs{table({1, 1, 3}, {-4, 2, 7}), table({1, 1, 4}, {0.5F, 0.5F, 0.2F, 0.2F})};
     CHECK(choice(outputs, 2).second == "detr");
@@ -153,12 +154,12 @@ TEST_CASE("layouts: numbers that a layout cannot have speak against it")
                        std::string_view("none")));
 }
 
-TEST_CASE("layouts: masks show in the outputs, and of keypoints and angles the task tells")
+TEST_CASE("layouts: masks are recognized by the outputs, keypoints and angles by the task")
 {
     const std::vector<int> prototypes{1, 32, 160, 160};
-    CHECK(layout_of({{1, 116, 8400}, prototypes}, {.classes = 80, .input = usual_input}) == "yolov8-seg");
-    CHECK(layout_of({{1, 116, 8400}, prototypes}, {.classes = 0, .input = usual_input}) == "yolov8-seg");
-    CHECK(layout_of({{1, 25200, 117}, prototypes}, {.classes = 80, .input = usual_input}) == "yolov5-seg");
+    CHECK(layout_of({{1, 116, 8400}, prototypes}, {.classes = 80, .input = default_input}) == "yolov8-seg");
+    CHECK(layout_of({{1, 116, 8400}, prototypes}, {.classes = 0, .input = default_input}) == "yolov8-seg");
+    CHECK(layout_of({{1, 25200, 117}, prototypes}, {.classes = 80, .input = default_input}) == "yolov5-seg");
     CHECK(with_task({{1, 300, 38}, prototypes}, "segment", 80) == "yolo26-seg");
     CHECK(with_task({{1, 56, 8400}}, "pose", 1, 17) == "yolov8-pose");
     CHECK(with_task({{1, 300, 57}}, "pose", 1, 17) == "yolo26-pose");

@@ -1,4 +1,4 @@
-// Tables of numbers to what a network claims to see.
+// Converts the output tables of networks to candidates.
 #include "table.hpp"
 
 #include <model_output.hpp>
@@ -47,7 +47,7 @@ TEST_CASE("model output: columns have no objectness")
     CHECK(found[1].class_index == 0);
 }
 
-TEST_CASE("model output: corners are shares of the input, and rows of no picture end nothing")
+TEST_CASE("model output: corners are shares of the input, and rows of no image end nothing")
 {
     const cv::Mat output =
         table({1, 1, 3, 7}, {-1, 1, 0.9F, 0, 0, 1, 1, 0, 15, 0.7F, 0.25F, 0.5F, 0.5F, 0.75F, 0, 3, 0.1F, 0, 0, 1, 1});
@@ -101,7 +101,7 @@ TEST_CASE("model output: an output without rows is of an image in which nothing 
     CHECK(candidates(cv::Mat(3, shape, CV_32F), "yolov10", {99, 99}, 0.3).empty());
 }
 
-TEST_CASE("model output: a score above 1 is no score, and half precision may round up to 1")
+TEST_CASE("model output: a score above 1 is invalid, except for rounding in half precision")
 {
     const cv::Mat output = table({1, 1, 6}, {10, 20, 40, 60, 7.5F, 3}),
                   rounded = table({1, 1, 6}, {10, 20, 40, 60, 1.0005F, 3});

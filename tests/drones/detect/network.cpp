@@ -16,7 +16,7 @@ using detect::NetworkSettings;
 
 namespace {
 
-/// A model of 8x8 px with this output, whatever it is shown.
+/// A model of 8x8 px with this constant output.
 onnx::Model constant(std::vector<int> shape, std::vector<float> numbers)
 {
     return {.shape = std::move(shape), .constants = std::move(numbers), .wires = {}};
@@ -25,7 +25,7 @@ onnx::Model constant(std::vector<int> shape, std::vector<float> numbers)
 /// One object of the first of two classes, left of the middle of the input, in each layout.
 onnx::Model yolo5()
 {
-    std::vector<float> rows(7 * 7);  // as many as numbers in a row, so that its shape tells without names
+    std::vector<float> rows(7 * 7);  // as many as numbers in a row, so that its shape suffices without names
     std::ranges::copy(std::array{3.0F, 4.0F, 2.0F, 4.0F, 0.9F, 1.0F}, rows.begin());
     return constant({1, 7, 7}, rows);
 }
@@ -52,11 +52,11 @@ std::string refusal(const NetworkSettings& wanted)
     return "accepted";
 }
 
-cv::Mat grey_picture(cv::Size size) { return {size, CV_8UC3, cv::Scalar::all(50)}; }
+cv::Mat grey_image(cv::Size size) { return {size, CV_8UC3, cv::Scalar::all(50)}; }
 
 }  // namespace
 
-TEST_CASE("network: each layout of a model is found out, and its box is where the model says")
+TEST_CASE("network: each layout of a model is detected, with its box in the right place")
 {
     const onnx::File names(".names", "cup\r\nspoon\n\n");
     struct Case {
@@ -67,7 +67,7 @@ TEST_CASE("network: each layout of a model is found out, and its box is where th
         const onnx::File model(".onnx", onnx::bytes_of(known.model));
         Network network(settings(model, &names));
         CHECK(network.layout() == known.layout);
-        const auto objects = network.find(grey_picture({80, 80}));
+        const auto objects = network.find(grey_image({80, 80}));
         REQUIRE(objects.size() == 1);
         CHECK(objects[0].box == cv::Rect(20, 20, 20, 40));
         CHECK(objects[0].name == "cup");
@@ -88,7 +88,7 @@ TEST_CASE("network: lists with the suppression inside, and boxes apart from thei
         const onnx::File model(".onnx", onnx::bytes_of(*known));
         Network network(settings(model, &names));
         CHECK(network.layout() == layout);
-        const auto objects = network.find(grey_picture({80, 80}));
+        const auto objects = network.find(grey_image({80, 80}));
         REQUIRE(objects.size() == 1);
         CHECK(objects[0].box == cv::Rect(20, 20, 20, 40));
         CHECK(objects[0].name == "cup");
@@ -96,7 +96,7 @@ TEST_CASE("network: lists with the suppression inside, and boxes apart from thei
     }
 }
 
-TEST_CASE("network: the size of the input and the names of the classes are read from the model's file, unless told")
+TEST_CASE("network: the size of the input and the names of the classes are read from the model's file, unless set")
 {
     onnx::Model model = yolo8();
     model.width = 16;
@@ -107,30 +107,30 @@ TEST_CASE("network: the size of the input and the names of the classes are read 
     Network network(wanted);
     CHECK(network.input() == cv::Size(16, 8));
     CHECK(network.classes() == 2);
-    CHECK(network.find(grey_picture({160, 80})).at(0).name == "cup");
+    CHECK(network.find(grey_image({160, 80})).at(0).name == "cup");
     wanted.classes = names.path();
-    CHECK(Network(wanted).find(grey_picture({160, 80})).at(0).name == "first");
+    CHECK(Network(wanted).find(grey_image({160, 80})).at(0).name == "first");
 }
 
-TEST_CASE("network: a finished list of a single class is one, and its box is where the model says")
+TEST_CASE("network: a finished list of a single class is recognized, with its box in the right place")
 {
     onnx::Model one = constant({1, 2, 6}, {2, 2, 4, 6, 0.9F, 0, 0, 0, 0, 0, 0, 0});
     one.metadata = {{"names", "{0: 'ball'}"}};
     const onnx::File file(".onnx", onnx::bytes_of(one));
     Network network(settings(file));
     CHECK(network.layout() == "yolov10");
-    const auto objects = network.find(grey_picture({80, 80}));
+    const auto objects = network.find(grey_image({80, 80}));
     REQUIRE(objects.size() == 1);
     CHECK(objects[0].box == cv::Rect(20, 20, 20, 40));
     CHECK(objects[0].name == "ball");
 }
 
-TEST_CASE("network: keypoints, oriented boxes and masks are placed in the picture")
+TEST_CASE("network: keypoints, oriented boxes and masks are placed in the image")
 {
     const auto seen = [](onnx::Model model, const char* task) {
         model.metadata = {{"names", "{0: 'cup'}"}, {"task", task}, {"kpt_shape", "[2, 3]"}};
         const onnx::File file(".onnx", onnx::bytes_of(model));
-        return Network(settings(file)).find(grey_picture({160, 80})).at(0);  // times 20, without margins of 2
+        return Network(settings(file)).find(grey_image({160, 80})).at(0);  // times 20, without margins of 2
     };
     const auto person = seen(constant({1, 1, 12}, {2, 3, 6, 5, 0.9F, 0, 3, 4, 0.75F, 5, 4, 0.25F}), "pose");
     CHECK(person.box == cv::Rect(40, 20, 80, 40));
@@ -162,20 +162,20 @@ TEST_CASE("network: oriented boxes that only their upright frames share do not s
     onnx::Model model = constant({1, 2, 7}, {4, 3.5F, 6, 0.2F, 0.9F, 0, angle, 4, 4.5F, 6, 0.2F, 0.8F, 0, angle});
     model.metadata = {{"names", "{0: 'ship'}"}, {"task", "obb"}};
     const onnx::File file(".onnx", onnx::bytes_of(model));
-    CHECK(Network(settings(file)).find(grey_picture({80, 80})).size() == 2);
+    CHECK(Network(settings(file)).find(grey_image({80, 80})).size() == 2);
 }
 
-TEST_CASE("network: a classifier sees the middle of the picture, and says what the picture is")
+TEST_CASE("network: a classifier gets the middle of the image, and returns its class")
 {
-    // Its input is as it says: the first pixel's red.
+    // Its output is its input: the first pixel's red.
     onnx::Model model = constant({1, 2}, {0, 0.1F});
     model.wires = {{0, 0, 1}};
     model.metadata = {{"names", "{0: 'bright', 1: 'dark'}"}, {"task", "classify"}};
     const onnx::File file(".onnx", onnx::bytes_of(model));
     Network network(settings(file));
-    cv::Mat picture = grey_picture({160, 80});
-    picture(cv::Rect(40, 0, 80, 80)).setTo(cv::Scalar::all(204));  // the middle
-    const auto objects = network.find(picture);
+    cv::Mat image = grey_image({160, 80});
+    image(cv::Rect(40, 0, 80, 80)).setTo(cv::Scalar::all(204));  // the middle
+    const auto objects = network.find(image);
     REQUIRE(objects.size() == 1);
     CHECK(objects[0].name == "bright");
     CHECK(objects[0].score == doctest::Approx(0.8));
@@ -217,7 +217,7 @@ TEST_CASE("network: without ONNX Runtime, a model that wants it is refused, and 
     const onnx::File file(".onnx", onnx::bytes_of(model)), no_library(".so", "this is no library");
     NetworkSettings wanted = settings(file);
     wanted.onnxruntime = no_library.path();
-    CHECK(Network(wanted).find(grey_picture({80, 80})).size() == 1);
+    CHECK(Network(wanted).find(grey_image({80, 80})).size() == 1);
     wanted.engine = "onnxruntime";
     CHECK(refusal(wanted) == file.path() + " cannot be run by ONNX Runtime: no usable " + no_library.path());
 }
@@ -228,7 +228,7 @@ TEST_CASE("network: each engine gives the same objects, and ONNX Runtime runs wh
     pose.metadata = {{"names", "{0: 'cup'}"}, {"task", "pose"}};
     two.metadata = {{"names", "{0: 'cup', 1: 'spoon'}"}};
     onnx::Model seen = two, lacking = two;
-    seen.wires = {{0, 8, 0.1F}};  // the score depends on the picture
+    seen.wires = {{0, 8, 0.1F}};  // the score depends on the image
     const auto with = [](const onnx::File& file, const char* engine) {
         NetworkSettings wanted = settings(file);
         wanted.engine = engine;
@@ -239,12 +239,12 @@ TEST_CASE("network: each engine gives the same objects, and ONNX Runtime runs wh
     if (!hive::test::possible(
             refusal(with(unknown, "onnxruntime")) == "accepted" ? "" : "ONNX Runtime: libonnxruntime.so.1"))
         return;
-    CHECK(Network(with(unknown, "auto")).find(grey_picture({80, 80})).at(0).box == cv::Rect(20, 20, 20, 40));
+    CHECK(Network(with(unknown, "auto")).find(grey_image({80, 80})).at(0).box == cv::Rect(20, 20, 20, 40));
     for (const onnx::Model& model : {yolo5(), two, ssd(), pose, seen}) {
         const onnx::File file(".onnx", onnx::bytes_of(model));
         Network one(with(file, "opencv")), other(with(file, "onnxruntime"));
         CHECK(one.layout() == other.layout());
-        const auto expected = one.find(grey_picture({160, 80})), found = other.find(grey_picture({160, 80}));
+        const auto expected = one.find(grey_image({160, 80})), found = other.find(grey_image({160, 80}));
         REQUIRE(found.size() == expected.size());
         for (std::size_t i = 0; i < found.size(); ++i) {
             CHECK(found[i].box == expected[i].box);
@@ -265,7 +265,7 @@ TEST_CASE("network: boxes, whole class numbers and scores in three lists, as tor
     const onnx::File file(".onnx", onnx::bytes_of(model));
     Network network(settings(file));
     CHECK(network.layout() == "lists");
-    const auto objects = network.find(grey_picture({80, 80}));
+    const auto objects = network.find(grey_image({80, 80}));
     REQUIRE(objects.size() == 1);
     CHECK(objects[0].box == cv::Rect(20, 20, 20, 40));
     CHECK(objects[0].name == "spoon");
@@ -290,7 +290,7 @@ TEST_CASE(
         wanted.engine = engine;
         Network network(wanted);
         CHECK(network.layout() == "lists");
-        const auto objects = network.find(grey_picture({160, 80}));
+        const auto objects = network.find(grey_image({160, 80}));
         REQUIRE(objects.size() == 1);
         CHECK(objects[0].box == cv::Rect(20, 20, 20, 40));
         CHECK(objects[0].name == "spoon");
@@ -298,7 +298,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("network: a layout that is told is the only one that is considered")
+TEST_CASE("network: a configured layout is the only one considered")
 {
     const onnx::File file(".onnx", onnx::bytes_of(constant({1, 7, 6}, std::vector<float>(42))));
     NetworkSettings wanted = settings(file);
@@ -309,7 +309,7 @@ TEST_CASE("network: a layout that is told is the only one that is considered")
     CHECK(refusal(wanted).find("which is no output of the layout ssd") != std::string::npos);
 }
 
-TEST_CASE("model card: damaged files, other files and no files tell nothing")
+TEST_CASE("model card: damaged, other and missing files give empty fields")
 {
     const std::string whole = onnx::bytes_of(yolo8());
     const onnx::File good(".onnx", whole);
@@ -350,18 +350,18 @@ TEST_CASE("model card: the shape of the keypoints is two numbers that can be")
         CHECK_FALSE(detect::keypoints_from(wrong));
 }
 
-TEST_CASE("network: a wide picture is letterboxed or stretched into the input, and its boxes are mapped back")
+TEST_CASE("network: a wide image is letterboxed or stretched into the input, and its boxes are mapped back")
 {
     const onnx::File model(".onnx", onnx::bytes_of(ssd()));
     NetworkSettings wanted = settings(model);
-    CHECK(Network(wanted).find(grey_picture({160, 80}))[0].box == cv::Rect(40, 0, 40, 80));
-    CHECK(Network(wanted).find(grey_picture({80, 160}))[0].box == cv::Rect(0, 40, 40, 80));
+    CHECK(Network(wanted).find(grey_image({160, 80}))[0].box == cv::Rect(40, 0, 40, 80));
+    CHECK(Network(wanted).find(grey_image({80, 160}))[0].box == cv::Rect(0, 40, 40, 80));
     wanted.fit = "stretch";
-    CHECK(Network(wanted).find(grey_picture({160, 80}))[0].box == cv::Rect(40, 20, 40, 40));
+    CHECK(Network(wanted).find(grey_image({160, 80}))[0].box == cv::Rect(40, 20, 40, 40));
     CHECK(Network(wanted).find(cv::Mat(80, 160, CV_8UC1, cv::Scalar(7)))[0].box == cv::Rect(40, 20, 40, 40));
 }
 
-TEST_CASE("network: the picture reaches the model scaled, without the mean, in the model's order of colours")
+TEST_CASE("network: the image reaches the model scaled, without the mean, in the model's order of colours")
 {
     // The scores of the three classes are the three channels of the input's first pixel.
     onnx::Model model = constant({1, 2, 8}, {4, 4, 4, 4, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0});
@@ -387,13 +387,13 @@ TEST_CASE("network: what is not seen well enough is left out")
     const onnx::File file(".onnx", onnx::bytes_of(yolo5()));
     Network network(settings(file));
     network.min_score = 0.95;
-    CHECK(network.find(grey_picture({80, 80})).empty());
+    CHECK(network.find(grey_image({80, 80})).empty());
     network.min_score = 0.85;
-    CHECK(network.find(grey_picture({80, 80})).size() == 1);
+    CHECK(network.find(grey_image({80, 80})).size() == 1);
 }
 
 TEST_CASE("network: of overlapping boxes of one class the best is kept; other classes and places are not touched; "
-          "boxes end at the picture")
+          "boxes end at the image")
 {
     const onnx::File file(
         ".onnx",
@@ -401,17 +401,17 @@ TEST_CASE("network: of overlapping boxes of one class the best is kept; other cl
                                             2,     1,  0,  0.8F, 6, 6,    2, 2,    1, 0.6F, 0, 8, 8,    4, 4, 1, 0,
                                             0.95F, 20, 20, 2,    2, 1,    1, 0,    0, 0,    0, 0, 0,    0, 0})));
     Network network(settings(file));
-    const auto objects = network.find(grey_picture({80, 80}));
+    const auto objects = network.find(grey_image({80, 80}));
     REQUIRE(objects.size() == 4);
     CHECK(objects[0].box == cv::Rect(60, 60, 20, 20));
     CHECK(objects[1].score == doctest::Approx(0.9));
     CHECK(objects[2].name == "1");
     CHECK(objects[3].box == cv::Rect(50, 50, 20, 20));
     network.overlap = 1;
-    CHECK(network.find(grey_picture({80, 80})).size() == 5);
+    CHECK(network.find(grey_image({80, 80})).size() == 5);
 }
 
-TEST_CASE("network: a model or a file of classes that is not there, or is none, is refused in a sentence")
+TEST_CASE("network: a missing or invalid model or class file is refused in a sentence")
 {
     const onnx::File model(".onnx", onnx::bytes_of(yolo5())), garbage(".onnx", "this is no model"),
         empty(".names", "\n"), binary(".names", std::string(500, 'x'));

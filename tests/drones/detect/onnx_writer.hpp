@@ -1,4 +1,4 @@
-// Writes tiny ONNX models, so that reading models is tested with real ones that nobody has to fetch.
+// Writes tiny ONNX models, so that reading models is tested with real ones that need no download.
 #pragma once
 
 #include <filesystem>
@@ -30,7 +30,7 @@ struct Model {
     };
     std::vector<Output> more = {};
     std::vector<std::pair<std::string, std::string>> metadata = {};
-    std::string operation = {};  ///< of a node of one input and output in between; empty: there is none
+    std::string operation = {};  ///< of a node of one input and output in between; empty: no node
     /// There is a second input, orig_target_sizes (width, height), by which the rows x, y, x, y of `shape` are
     /// multiplied.
     bool sized = false;

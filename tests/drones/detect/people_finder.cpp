@@ -19,17 +19,16 @@ namespace {
 /// A walker of height H with the top of the head at `top`, drawn from lines and ellipses; `phase` of the step.
 class Walker {
 public:
-    Walker(cv::Mat& picture, cv::Point2d top, double height, double phase)
-        : picture_(picture), top_(top), height_(height)
+    Walker(cv::Mat& image, cv::Point2d top, double height, double phase) : image_(image), top_(top), height_(height)
     {
         const double step = 0.10 * std::sin(phase);
         for (const int side : {-1, 1})
             leg_and_arm(side, step);
-        cv::ellipse(picture_, at(0, 0.34), size(0.105, 0.19), 0, 0, 360, clothes, cv::FILLED, cv::LINE_AA);
+        cv::ellipse(image_, at(0, 0.34), size(0.105, 0.19), 0, 0, 360, clothes, cv::FILLED, cv::LINE_AA);
         line({-0.075, 0.205}, {0.075, 0.205}, 0.06, clothes);
         line({0, 0.14}, {0, 0.18}, 0.06, {110, 130, 165});
-        cv::ellipse(picture_, at(0, 0.08), size(0.058, 0.078), 0, 0, 360, {125, 150, 190}, cv::FILLED, cv::LINE_AA);
-        cv::ellipse(picture_, at(0, 0.055), size(0.06, 0.055), 0, 180, 360, {30, 32, 38}, cv::FILLED, cv::LINE_AA);
+        cv::ellipse(image_, at(0, 0.08), size(0.058, 0.078), 0, 0, 360, {125, 150, 190}, cv::FILLED, cv::LINE_AA);
+        cv::ellipse(image_, at(0, 0.055), size(0.06, 0.055), 0, 180, 360, {30, 32, 38}, cv::FILLED, cv::LINE_AA);
     }
 
     [[nodiscard]] cv::Rect2d box() const { return {top_.x - 0.17 * height_, top_.y, 0.34 * height_, height_}; }
@@ -56,17 +55,17 @@ private:
     [[nodiscard]] cv::Size size(double x, double y) const { return {cvRound(x * height_), cvRound(y * height_)}; }
     void line(cv::Point2d from, cv::Point2d to, double thickness, const cv::Scalar& colour)
     {
-        cv::line(picture_, at(from.x, from.y), at(to.x, to.y), colour, std::max(1, cvRound(thickness * height_)),
+        cv::line(image_, at(from.x, from.y), at(to.x, to.y), colour, std::max(1, cvRound(thickness * height_)),
                  cv::LINE_AA);
     }
 
-    cv::Mat& picture_;
+    cv::Mat& image_;
     cv::Point2d top_;
     double height_;
 };
 
 struct Scene {
-    cv::Mat picture;
+    cv::Mat image;
     std::vector<cv::Rect2d> truth;
 };
 
@@ -76,12 +75,12 @@ Scene walkers(int index)
     Scene scene{camera::draw_background(camera::Background::brick, {640, 480}, 1), {}};
     cv::RNG random(static_cast<std::uint64_t>(index) + 1);
     for (const double x : {130.0 + 9 * index, 500.0 - 7 * index}) {
-        const Walker walker(scene.picture, {x, 90.0 + 4 * index}, 170 + 5 * index, 0.7 * index);
+        const Walker walker(scene.image, {x, 90.0 + 4 * index}, 170 + 5 * index, 0.7 * index);
         scene.truth.push_back(walker.box());
     }
-    cv::Mat noise(scene.picture.size(), CV_16SC3);
+    cv::Mat noise(scene.image.size(), CV_16SC3);
     random.fill(noise, cv::RNG::NORMAL, 0, 3);
-    cv::add(scene.picture, noise, scene.picture, cv::noArray(), CV_8U);
+    cv::add(scene.image, noise, scene.image, cv::noArray(), CV_8U);
     return scene;
 }
 
@@ -98,8 +97,8 @@ int hits(const std::vector<Object>& found, const std::vector<cv::Rect2d>& truth,
     }));
 }
 
-/// What somebody would write without Hive, best first.
-std::vector<std::pair<double, cv::Rect>> plain_people(const cv::Mat& picture)
+/// The same without Hive, best first.
+std::vector<std::pair<double, cv::Rect>> plain_people(const cv::Mat& image)
 {
     static const cv::HOGDescriptor descriptor = [] {
         cv::HOGDescriptor made;
@@ -108,10 +107,10 @@ std::vector<std::pair<double, cv::Rect>> plain_people(const cv::Mat& picture)
     }();
     std::vector<cv::Rect> boxes;
     std::vector<double> weights;
-    descriptor.detectMultiScale(picture, boxes, weights, 0, {8, 8}, {16, 16}, 1.05, 2);
+    descriptor.detectMultiScale(image, boxes, weights, 0, {8, 8}, {16, 16}, 1.05, 2);
     std::vector<std::pair<double, cv::Rect>> people;
     for (std::size_t i = 0; i < boxes.size(); ++i)
-        people.emplace_back(weights[i], boxes[i] & cv::Rect({}, picture.size()));
+        people.emplace_back(weights[i], boxes[i] & cv::Rect({}, image.size()));
     return people;
 }
 
@@ -133,9 +132,9 @@ TEST_CASE("people finder: on drawn walkers it finds the windows of a plain OpenC
     for (int index = 0; index < 10; ++index) {
         const Scene scene = walkers(index);
         finder.shrink = false;
-        CHECK(same(finder.find(scene.picture), plain_people(scene.picture)));
+        CHECK(same(finder.find(scene.image), plain_people(scene.image)));
         finder.shrink = true;
-        found += hits(finder.find(scene.picture), scene.truth, 0.5);
+        found += hits(finder.find(scene.image), scene.truth, 0.5);
         all += static_cast<int>(scene.truth.size());
     }
     MESSAGE(found, " of ", all, " walkers found");
@@ -152,16 +151,16 @@ TEST_CASE("people finder: on filmed walkers it finds the windows of a plain Open
     cv::VideoCapture capture(video->string(), cv::CAP_FFMPEG);
     PeopleFinder finder;
     finder.shrink = false;
-    cv::Mat picture;
+    cv::Mat image;
     int found = 0, found_as_it_is = 0, all = 0;
-    for (int frame = 1; frame <= 400 && capture.read(picture); ++frame) {
+    for (int frame = 1; frame <= 400 && capture.read(image); ++frame) {
         if (frame % 80 != 0)
             continue;
-        CHECK(same(finder.find(picture), plain_people(picture)));
+        CHECK(same(finder.find(image), plain_people(image)));
         PeopleFinder fitting;
-        found_as_it_is += hits(fitting.find(picture), media::boxes(truth.at(frame)), 0.5);
+        found_as_it_is += hits(fitting.find(image), media::boxes(truth.at(frame)), 0.5);
         fitting.enlarge = 2;  // they are about 80 px high
-        found += hits(fitting.find(picture), media::boxes(truth.at(frame)), 0.5);
+        found += hits(fitting.find(image), media::boxes(truth.at(frame)), 0.5);
         all += static_cast<int>(truth.at(frame).size());
     }
     MESSAGE(found, " of ", all, " filmed walkers found, ", found_as_it_is, " without enlarging");
@@ -169,7 +168,7 @@ TEST_CASE("people finder: on filmed walkers it finds the windows of a plain Open
     CHECK(found * 2 > all);
 }
 
-TEST_CASE("people finder: an empty wall, a tiny picture and a grey one are looked at; the picture is not changed")
+TEST_CASE("people finder: an empty wall, a tiny image and a grey one are looked at; the image is not changed")
 {
     PeopleFinder finder;
     CHECK(finder.find(cv::Mat(480, 640, CV_8UC3, cv::Scalar(165, 165, 160))).empty());
@@ -177,7 +176,7 @@ TEST_CASE("people finder: an empty wall, a tiny picture and a grey one are looke
         CHECK_NOTHROW(static_cast<void>(finder.find(cv::Mat(size, CV_8UC3, cv::Scalar::all(9)))));
     const Scene scene = walkers(2);
     cv::Mat grey;
-    cv::cvtColor(scene.picture, grey, cv::COLOR_BGR2GRAY);
+    cv::cvtColor(scene.image, grey, cv::COLOR_BGR2GRAY);
     const cv::Mat before = grey.clone();
     CHECK(hits(finder.find(grey), scene.truth, 0.5) == 2);
     CHECK(cv::norm(grey, before, cv::NORM_INF) == 0);
@@ -187,22 +186,22 @@ TEST_CASE("people finder: a higher threshold leaves out the weaker ones, and the
 {
     const Scene scene = walkers(4);
     PeopleFinder finder;
-    const auto all = finder.find(scene.picture);
+    const auto all = finder.find(scene.image);
     REQUIRE(all.size() >= 2);
     CHECK(std::ranges::is_sorted(all, std::ranges::greater{}, &Object::score));
     finder.hit_threshold = 100;
-    CHECK(finder.find(scene.picture).empty());
+    CHECK(finder.find(scene.image).empty());
     finder.hit_threshold = -3;
     finder.grouping = 0;
-    const auto too_many = finder.find(scene.picture);
-    CHECK(too_many.size() == detect::most_objects);
+    const auto too_many = finder.find(scene.image);
+    CHECK(too_many.size() == detect::max_objects);
     CHECK(too_many.front().score >= all.front().score);
 }
 
 TEST_CASE("object: draw frames the box and nothing far from it")
 {
-    cv::Mat picture = cv::Mat::zeros(200, 200, CV_8UC3);
-    detect::draw(picture, {{{20, 30, 40, 50}, "cup", 0.9}});
-    CHECK(picture.at<cv::Vec3b>(80, 40)[1] > 200);
-    CHECK(cv::countNonZero(picture.rowRange(120, 200).clone().reshape(1)) == 0);
+    cv::Mat image = cv::Mat::zeros(200, 200, CV_8UC3);
+    detect::draw(image, {{{20, 30, 40, 50}, "cup", 0.9}});
+    CHECK(image.at<cv::Vec3b>(80, 40)[1] > 200);
+    CHECK(cv::countNonZero(image.rowRange(120, 200).clone().reshape(1)) == 0);
 }

@@ -1,4 +1,4 @@
-// The detect drone with real processes: what plain OpenCV finds in the same pictures, and models that are refused.
+// The detect drone with real processes: the results of plain OpenCV in the same images, and models that are refused.
 #include "onnx_writer.hpp"
 #include "page.hpp"
 #include "swarm.hpp"
@@ -16,13 +16,13 @@
 using namespace hive::test;
 using hive::Json;
 
-TEST_CASE("detect: on filmed walkers, on demand, the drone finds in each picture what a plain program with the same "
+TEST_CASE("detect: on filmed walkers, on demand, the drone finds in each image what a plain program with the same "
           "class finds")
 {
     const auto video = shared_data("media/pedestrians_0001-0400.avi");
     if (!possible(video ? "" : "the videos in the folder that HIVE_SHARED names"))
         return;
-    constexpr int pictures = sanitized() ? 2 : 6;
+    constexpr int images = sanitized() ? 2 : 6;
     cv::setNumThreads(1);
     const Swarm swarm;
     const auto camera = swarm.drone("camera", "camera", {"source=" + video->string(), "pace=demand"});
@@ -34,14 +34,14 @@ TEST_CASE("detect: on filmed walkers, on demand, the drone finds in each picture
     detect::PeopleFinder finder;
     finder.enlarge = 2;
     std::size_t found = 0;
-    for (int index = 0; index < pictures; ++index) {
-        cv::Mat picture;
-        REQUIRE(capture.read(picture));
+    for (int index = 0; index < images; ++index) {
+        cv::Mat image;
+        REQUIRE(capture.read(image));
         const auto result = collector->next(patient(Milliseconds(20'000)));
         REQUIRE(result);
         const Json& objects = result->header.at("objects");
         CHECK(own_keys(result->header) == keys(json_example("detect")));
-        const auto people = finder.find(picture);
+        const auto people = finder.find(image);
         REQUIRE(objects.size() == people.size());
         for (std::size_t i = 0; i < people.size(); ++i) {
             CHECK(keys(objects[i]) == keys(json_example("detect").at("objects").at(0)));
@@ -86,11 +86,11 @@ TEST_CASE("detect: a model or a file of classes that cannot be used is refused i
     not_started("classes=/nowhere/names", "no file of class names at /nowhere/names");
 }
 
-TEST_CASE("detect: a model that is set while pictures come is used, with the names of its classes, and people again "
+TEST_CASE("detect: a model that is set while images come is used, with the names of its classes, and people again "
           "without it")
 {
     const Swarm swarm;
-    // One cup in the left half of what it is shown, always.
+    // Always one cup in the left half of the image.
     const onnx::File model(
         ".onnx", onnx::bytes_of({.shape = {1, 1, 1, 7}, .constants = {0, 1, 0.75F, 0, 0, 0.5F, 1}, .wires = {}})),
         names(".names", "background\ncup\n");
@@ -107,7 +107,7 @@ TEST_CASE("detect: a model that is set while pictures come is used, with the nam
                     return false;
                 Json found = result->header.at("objects");
                 for (Json& one : found)
-                    CHECK(one.erase("colours") == 1);  // those of the scene, which another test looks at
+                    CHECK(one.erase("colours") == 1);  // those of the scene, which another test checks
                 return found == objects;
             },
             Milliseconds(10'000));

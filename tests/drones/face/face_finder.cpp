@@ -18,12 +18,12 @@ namespace {
 
 auto order(const cv::Rect& box) { return std::tuple(box.y, box.x, box.height, box.width); }
 
-/// What somebody would write without Hive.
-std::vector<cv::Rect> plain_faces(const cv::Mat& picture, double scale, int neighbors, int min_size)
+/// The same without Hive.
+std::vector<cv::Rect> plain_faces(const cv::Mat& image, double scale, int neighbors, int min_size)
 {
     static cv::CascadeClassifier cascade(face::default_cascade);
     cv::Mat grey;
-    cv::cvtColor(picture, grey, cv::COLOR_BGR2GRAY);
+    cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
     std::vector<cv::Rect> boxes;
     cascade.detectMultiScale(grey, boxes, scale, neighbors, 0, {min_size, min_size});
     std::ranges::sort(boxes, {}, order);
@@ -42,10 +42,10 @@ FaceFinder loaded_finder()
 TEST_CASE("face finder: on the photographs it gives the boxes of a plain OpenCV program (needs media)")
 {
     FaceFinder finder = loaded_finder();
-    for (const auto& path : media::pictures({".jpg", ".png"})) {
+    for (const auto& path : media::images({".jpg", ".png"})) {
         CAPTURE(path.filename().string());
-        const cv::Mat picture = cv::imdecode(media::read(path), cv::IMREAD_COLOR);
-        CHECK(finder.find(picture) == plain_faces(picture, 1.1, 5, 24));
+        const cv::Mat image = cv::imdecode(media::read(path), cv::IMREAD_COLOR);
+        CHECK(finder.find(image) == plain_faces(image, 1.1, 5, 24));
     }
 }
 
@@ -57,8 +57,8 @@ TEST_CASE("face finder: with other parameters it still gives the boxes of a plai
     finder.min_size = 40;
     for (const char* name : {"media/faces_2008_001322.jpg", "media/messi5.jpg", "media/astronaut.png"})
         if (const auto path = media::shared(name)) {
-            const cv::Mat picture = cv::imdecode(media::read(*path), cv::IMREAD_COLOR);
-            CHECK(finder.find(picture) == plain_faces(picture, 1.25, 3, 40));
+            const cv::Mat image = cv::imdecode(media::read(*path), cv::IMREAD_COLOR);
+            CHECK(finder.find(image) == plain_faces(image, 1.25, 3, 40));
         }
 }
 
@@ -81,7 +81,7 @@ TEST_CASE("face finder: the known faces of the photographs are found (needs medi
         }
 }
 
-TEST_CASE("face finder: 13 of the 18 faces of the group pictures are found, and no other (needs media)")
+TEST_CASE("face finder: 13 of the 18 faces of the group images are found, and no other (needs media)")
 {
     using Boxes = std::vector<cv::Rect2d>;
     const std::map<std::string, Boxes> groups{
@@ -112,7 +112,7 @@ TEST_CASE("face finder: 13 of the 18 faces of the group pictures are found, and 
     CHECK(score.false_alarms == 0);
 }
 
-TEST_CASE("face finder: the face over the wall is found in every picture, where a plain OpenCV program finds it (needs "
+TEST_CASE("face finder: the face over the wall is found in every image, where a plain OpenCV program finds it (needs "
           "media)")
 {
     const auto video = media::shared("media/face_over_brick.mp4");
@@ -121,13 +121,13 @@ TEST_CASE("face finder: the face over the wall is found in every picture, where 
     const auto truth = media::ground_truth(*media::shared("media/face_over_brick.gt.csv"));
     FaceFinder finder = loaded_finder();
     cv::VideoCapture capture(video->string(), cv::CAP_FFMPEG);
-    cv::Mat picture;
+    cv::Mat image;
     overlap::Score score;
-    for (int frame = 1; capture.read(picture); ++frame) {
-        if (frame % 3 != 0)  // every picture would take 20 s
+    for (int frame = 1; capture.read(image); ++frame) {
+        if (frame % 3 != 0)  // every image would take 20 s
             continue;
-        const auto found = finder.find(picture);
-        CHECK(found == plain_faces(picture, 1.1, 5, 24));
+        const auto found = finder.find(image);
+        CHECK(found == plain_faces(image, 1.1, 5, 24));
         score.add(found, media::boxes(truth.at(frame)), 0.5);
     }
     CHECK(score.hits == 40);
@@ -135,30 +135,30 @@ TEST_CASE("face finder: the face over the wall is found in every picture, where 
     CHECK(score.false_alarms == 0);
 }
 
-TEST_CASE("face finder: a largest size leaves out what is larger, and the picture is not changed (needs media)")
+TEST_CASE("face finder: a largest size leaves out what is larger, and the image is not changed (needs media)")
 {
     const auto path = media::shared("media/astronaut.png");
     if (!path)
         return;
     FaceFinder finder = loaded_finder();
-    const cv::Mat picture = cv::imread(path->string()), before = picture.clone();
+    const cv::Mat image = cv::imread(path->string()), before = image.clone();
     finder.max_size = 60;
     finder.equalise = true;
-    for (const cv::Rect& box : finder.find(picture))
+    for (const cv::Rect& box : finder.find(image))
         CHECK(box.width <= 60);
-    CHECK(media::same(picture, before));
+    CHECK(media::same(image, before));
 }
 
 TEST_CASE("face finder: draw frames the box and nothing else")
 {
-    cv::Mat picture(100, 100, CV_8UC3, cv::Scalar::all(0));
-    FaceFinder::draw(picture, {{20, 30, 40, 50}});
-    CHECK(picture.at<cv::Vec3b>(30, 40) == cv::Vec3b(60, 220, 60));
-    CHECK(picture.at<cv::Vec3b>(50, 40) == cv::Vec3b(0, 0, 0));
-    CHECK(picture.at<cv::Vec3b>(50, 90) == cv::Vec3b(0, 0, 0));
+    cv::Mat image(100, 100, CV_8UC3, cv::Scalar::all(0));
+    FaceFinder::draw(image, {{20, 30, 40, 50}});
+    CHECK(image.at<cv::Vec3b>(30, 40) == cv::Vec3b(60, 220, 60));
+    CHECK(image.at<cv::Vec3b>(50, 40) == cv::Vec3b(0, 0, 0));
+    CHECK(image.at<cv::Vec3b>(50, 90) == cv::Vec3b(0, 0, 0));
 }
 
-TEST_CASE("face finder: a cascade that is not there, or is none, is refused and the old one stays")
+TEST_CASE("face finder: a missing or invalid cascade is refused and the old one stays")
 {
     const media::Folder folder;
     media::write(folder.path() / "c.xml", {'<', 'x', '/', '>'});

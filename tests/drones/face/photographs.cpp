@@ -76,5 +76,5 @@ TEST_CASE("photographs: the face drone at its defaults finds in each exactly the
         found += result->header.at("faces").size();
     }
     MESSAGE(files.size(), " photographs, ", found, " faces");
-    CHECK(found >= 17);  // what the index of the photographs lists
+    CHECK(found >= 17);  // as the index of the photographs lists
 }

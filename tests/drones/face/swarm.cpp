@@ -1,4 +1,4 @@
-// The face swarm from camera to shell: boxes where the faces were drawn, and a picture with the boxes to look at.
+// The face swarm from camera to shell: boxes where the faces were drawn, and an image with the boxes.
 #include "measure.hpp"
 #include "media.hpp"
 #include "status_sums.hpp"
@@ -41,9 +41,9 @@ bool right(const Json& found, const Json& truth)
 
 }  // namespace
 
-TEST_CASE("face swarm: every picture of a scene on demand has its faces where they were drawn")
+TEST_CASE("face swarm: every image of a scene on demand has its faces where they were drawn")
 {
-    constexpr int pictures = sanitized() ? 6 : 30;
+    constexpr int frames = sanitized() ? 6 : 30;
     const Swarm swarm;
     const auto camera = swarm.drone("camera", "camera", {"source=scene", "faces=1", "pace=demand"});
     const auto face = swarm.drone("face", "face");
@@ -55,7 +55,7 @@ TEST_CASE("face swarm: every picture of a scene on demand has its faces where th
     std::map<std::int64_t, Json> truth;
     int seen = 0, correct = 0;
     std::int64_t last = 0;
-    while (seen < pictures) {
+    while (seen < frames) {
         while (const auto image = images->next(1ms))
             truth[image->identity.sequence] = image->header.at("truth");
         const auto result = boxes->next(patient(200ms));
@@ -72,13 +72,13 @@ TEST_CASE("face swarm: every picture of a scene on demand has its faces where th
         ++seen;
         CHECK(result->header.at("width") == 640);
     }
-    MESSAGE(correct, " of ", seen, " pictures exactly right");
-    // The detector errs in 4 of 1000 pictures of this scene, in the 21st first of all; which ones come is a matter of
+    MESSAGE(correct, " of ", seen, " frames exactly right");
+    // The detector errs in 4 of 1000 frames of this scene, in the 21st first of all; which ones come is a matter of
     // when all had connected.
     CHECK(correct >= seen - std::max(1, seen / 15));
 }
 
-TEST_CASE("face swarm: live from the shell, with results as JSON Lines and a picture with the boxes")
+TEST_CASE("face swarm: live from the shell, with results as JSON Lines and an image with the boxes")
 {
     const Swarm swarm;
     swarm.hivectl_done({"start", "camera"});
@@ -94,11 +94,11 @@ TEST_CASE("face swarm: live from the shell, with results as JSON Lines and a pic
     CHECK(right >= 4);
     const auto file = swarm.home() / "face.jpg";
     swarm.hivectl_done({"snap", "face.annotated", file.string()});
-    const auto picture = text_of(file);
-    CHECK(picture.size() > 5000);
-    CHECK(picture.starts_with("\xff\xd8"));
-    CHECK(picture.ends_with("\xff\xd9"));
-    // The picture is only encoded for somebody: when nobody asks, nothing is annotated.
+    const auto image = text_of(file);
+    CHECK(image.size() > 5000);
+    CHECK(image.starts_with("\xff\xd8"));
+    CHECK(image.ends_with("\xff\xd9"));
+    // The image is encoded only for a receiver: without requests nothing is annotated.
     auto application = swarm.application();
     const auto annotated = [&] { return application.status("face").outputs.at(1); };
     REQUIRE(annotated().name == "annotated");
@@ -109,17 +109,17 @@ TEST_CASE("face swarm: live from the shell, with results as JSON Lines and a pic
     CHECK(swarm.hivectl_done({"ps", "--json"}) == "[]\n");
 }
 
-TEST_CASE("face swarm: a file is read to its end on demand, shared by two workers, and every picture has one result")
+TEST_CASE("face swarm: a file is read to its end on demand, shared by two workers, and every image has one result")
 {
     const Swarm swarm;
     auto application = swarm.application();
-    // Pictures to read: what the camera itself draws.
-    const auto pictures = swarm.home() / "pictures";
-    std::filesystem::create_directory(pictures);
+    // Images to read: what the camera itself draws.
+    const auto frames = swarm.home() / "frames";
+    std::filesystem::create_directory(frames);
     const auto scene = swarm.drone("camera", "scene", {"fps=100"});
     for (int i = 0; i < 8; ++i)
-        swarm.hivectl_done({"snap", "scene", (pictures / (std::to_string(i) + ".jpg")).string()});
-    const auto camera = swarm.drone("camera", "camera", {"source=" + pictures.string(), "pace=demand", "loop=off"});
+        swarm.hivectl_done({"snap", "scene", (frames / (std::to_string(i) + ".jpg")).string()});
+    const auto camera = swarm.drone("camera", "camera", {"source=" + frames.string(), "pace=demand", "loop=off"});
     const auto one = swarm.drone("face", "face-1"), two = swarm.drone("face", "face-2");
     const auto collector = application.collect({{"face-1", "faces"}, {"face-2", "faces"}}, {.ordered = true});
     swarm.hivectl_done({"connect", "camera", "face-*", "--share"});
@@ -134,12 +134,11 @@ TEST_CASE("face swarm: a file is read to its end on demand, shared by two worker
     CHECK_FALSE(collector->next(200ms));
     CHECK(eventually([&] { return application.status("camera").condition == "end of source"; }));
     application.set(
-        "camera",
-        {{"hand", true}, {"walkers", 2}});  // of the scene: other swarms may ask for it, the file does not begin again
+        "camera", {{"hand", true}, {"walkers", 2}});  // of the scene: a set for other swarms does not restart the file
     CHECK(application.status("camera").condition == "end of source");
 }
 
-TEST_CASE("face swarm: when another model is refused, the one that finds faces goes on to find them")
+TEST_CASE("face swarm: when another model is refused, the old one keeps finding faces")
 {
     const Swarm swarm;
     const onnx::File good(".onnx", onnx::bytes_of(onnx::yunet_model())), garbage(".onnx", "this is no model");

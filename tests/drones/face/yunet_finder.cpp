@@ -1,4 +1,4 @@
-// YuNet's form of a model, made up: what is made of its numbers, and what is refused.
+// A made-up model of YuNet's form: its converted numbers, and refusals.
 #include "yunet_model.hpp"
 
 #include <doctest/doctest.h>
@@ -40,7 +40,7 @@ TEST_CASE("yunet: a face is where the model's numbers say, with its score and po
     CHECK(finder.find(cv::Mat(32, 32, CV_8UC3, cv::Scalar::all(9))).size() == 2);
 }
 
-TEST_CASE("yunet: what is no such model is refused in a sentence, and pictures of another size when they come")
+TEST_CASE("yunet: another model is refused in a sentence, at once or at the first image of a wrong size")
 {
     onnx::Model other = yunet_model();
     other.more.pop_back();

@@ -1,4 +1,4 @@
-// A model in YuNet's form, made up: it sees the same faces in every picture of 32x32 px.
+// A model in YuNet's form, made up: it sees the same faces in every image of 32x32 px.
 #pragma once
 
 #include "../detect/onnx_writer.hpp"
@@ -10,7 +10,7 @@ namespace onnx {
 /// Says that there is a face of 16 px in the cell in column 2, row 1, and a weaker one in the next cell.
 inline Model yunet_model()
 {
-    // A picture of 32x32 px has 58 places: 16 cells of 8 px with faces of 10, 16 and 24 px, 4 of 16 px with two, 1 of
+    // An image of 32x32 px has 58 places: 16 cells of 8 px with faces of 10, 16 and 24 px, 4 of 16 px with two, 1 of
     // 32 px with two.
     constexpr int places = 58;
     Model result{.width = 32, .height = 32, .shape = {1, 1}, .constants = {0}, .wires = {}};

@@ -1,4 +1,5 @@
-// Drawn hands of every kind: the fingers that were drawn are counted, and the hand of the scene is what its truth says.
+// Drawn hands of every kind: the fingers that were drawn are counted, and the hand of the scene matches its ground
+// truth.
 #include <doctest/doctest.h>
 #include <drawn_hand.hpp>
 #include <gesture_finder.hpp>
@@ -21,7 +22,7 @@ struct Conditions {
     const char* name;
     double turned = 180;           ///< degrees at most, to either side
     double least = 35, most = 60;  ///< radius of the palm, px
-    double arm = 30;               ///< in radii; 30: off the picture
+    double arm = 30;               ///< in radii; 30: off the image
     double noise = 3;              ///< sensor noise, grey levels
     int quality = 80;              ///< of JPEG
 };
@@ -40,12 +41,12 @@ DrawnHand random_hand(const Conditions& conditions, int fingers, cv::Size size, 
 
 cv::Mat seen(const DrawnHand& hand, const Conditions& conditions, cv::RNG& random)
 {
-    cv::Mat picture(480, 640, CV_8UC3, cv::Scalar::all(130)), noise(picture.size(), CV_16SC3);
-    camera::draw_hand(picture, hand);
+    cv::Mat image(480, 640, CV_8UC3, cv::Scalar::all(130)), noise(image.size(), CV_16SC3);
+    camera::draw_hand(image, hand);
     random.fill(noise, cv::RNG::NORMAL, 0, conditions.noise);
-    cv::add(picture, noise, picture, cv::noArray(), CV_8U);
+    cv::add(image, noise, image, cv::noArray(), CV_8U);
     std::vector<unsigned char> jpeg;
-    cv::imencode(".jpg", picture, jpeg, {cv::IMWRITE_JPEG_QUALITY, conditions.quality});
+    cv::imencode(".jpg", image, jpeg, {cv::IMWRITE_JPEG_QUALITY, conditions.quality});
     return cv::imdecode(jpeg, cv::IMREAD_COLOR);
 }
 
@@ -77,10 +78,10 @@ int exact(const Conditions& conditions, int each)
 
 }  // namespace
 
-TEST_CASE("gesture finder: drawn hands are read exactly, however they are turned and wherever the arm ends")
+TEST_CASE("gesture finder: drawn hands are read exactly, at any rotation and with any end of the arm")
 {
     CHECK(exact({.name = "upright, short arm", .turned = 15, .arm = 1.9}, 10) == 60);
-    CHECK(exact({.name = "turned, arm off the picture"}, 10) == 60);
+    CHECK(exact({.name = "turned, arm off the image"}, 10) == 60);
     CHECK(exact({.name = "turned, short arm", .arm = 1.9}, 10) == 60);
 }
 
@@ -91,7 +92,7 @@ TEST_CASE("gesture finder: large hands, noise and strong compression change noth
     CHECK(exact({.name = "small", .least = 20, .most = 35}, 10) >= 58);
 }
 
-TEST_CASE("gesture finder: without an arm the fingers tell the direction")
+TEST_CASE("gesture finder: without an arm the fingers give the direction")
 {
     const Conditions conditions{.name = "no arm", .turned = 40, .arm = 0.5};
     Silhouette skin;
@@ -119,9 +120,9 @@ TEST_CASE("gesture finder: every gesture of the scene is read from a plain wall,
     skin.from = "skin";
     int right = 0, looked_at = 0;
     for (int index = 0; index < 840; index += 6, ++looked_at) {
-        const auto picture = scene.picture(index);
-        const auto found = GestureFinder().find(skin.of(picture.image));
-        right += picture.hands.empty() ? found.empty() : same_hand(found, picture.hands[0]);
+        const auto image = scene.frame(index);
+        const auto found = GestureFinder().find(skin.of(image.image));
+        right += image.hands.empty() ? found.empty() : same_hand(found, image.hands[0]);
     }
     CHECK(right == looked_at);
 }
@@ -129,12 +130,12 @@ TEST_CASE("gesture finder: every gesture of the scene is read from a plain wall,
 TEST_CASE("scene: the hand is away first, then shows the known sequence, fingers wholly inside")
 {
     using camera::fingers_shown;
-    using camera::pictures_per_gesture;
+    using camera::frames_per_gesture;
     for (const cv::Size size : {cv::Size(64, 64), cv::Size(640, 480), cv::Size(480, 640), cv::Size(1280, 720)})
-        for (int index = 0; index < 3 * pictures_per_gesture * static_cast<int>(fingers_shown.size()); ++index) {
+        for (int index = 0; index < 3 * frames_per_gesture * static_cast<int>(fingers_shown.size()); ++index) {
             const auto hand = camera::hand_at(index, size);
             const int shown =
-                fingers_shown[static_cast<std::size_t>(index / pictures_per_gesture) % fingers_shown.size()];
+                fingers_shown[static_cast<std::size_t>(index / frames_per_gesture) % fingers_shown.size()];
             REQUIRE(hand.has_value() == (shown != camera::no_hand));
             if (!hand)
                 continue;
@@ -147,7 +148,7 @@ TEST_CASE("scene: the hand is away first, then shows the known sequence, fingers
     CHECK(fingers_shown.front() == camera::no_hand);
 }
 
-TEST_CASE("drawn hand: what lies outside the picture is cut off, not written")
+TEST_CASE("drawn hand: what lies outside the image is cut off, not written")
 {
     cv::Mat guarded(60, 60, CV_8UC3, cv::Scalar::all(9));
     cv::Mat inner = guarded(cv::Rect(20, 20, 20, 20));

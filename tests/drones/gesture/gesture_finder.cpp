@@ -43,7 +43,7 @@ TEST_CASE("gesture finder: an empty mask, a full one and a speck have no hand wi
     CHECK((full.empty() || full[0].tips.empty()));
 }
 
-TEST_CASE("gesture finder: pictures of any size are looked at")
+TEST_CASE("gesture finder: images of any size are looked at")
 {
     GestureFinder finder;
     finder.min_area = 0;
@@ -72,7 +72,7 @@ TEST_CASE("gesture finder: fingertips are where the fingers end, clockwise, and 
     CHECK(cv::norm(mask, before, cv::NORM_INF) == 0);
 }
 
-TEST_CASE("gesture finder: fingers that part only beyond the palm are told apart by the defect between them")
+TEST_CASE("gesture finder: fingers that separate only beyond the palm are counted by the defect between them")
 {
     cv::Mat mask = mask_with_fingers({});
     cv::rectangle(mask, cv::Rect(278, 140, 44, 80), 255, cv::FILLED);  // one trunk, 1.9 radii high
@@ -137,8 +137,8 @@ TEST_CASE("gesture finder: the photographed open hand and V sign before a light 
 
 TEST_CASE("hand: draw marks the palm and nothing far from the hand")
 {
-    cv::Mat picture = cv::Mat::zeros(480, 640, CV_8UC3);
-    gesture::draw(picture, GestureFinder().find(mask_with_fingers({291})));
-    CHECK(cv::countNonZero(picture.reshape(1)) > 500);
-    CHECK(cv::countNonZero(picture.colRange(400, 640).clone().reshape(1)) == 0);
+    cv::Mat image = cv::Mat::zeros(480, 640, CV_8UC3);
+    gesture::draw(image, GestureFinder().find(mask_with_fingers({291})));
+    CHECK(cv::countNonZero(image.reshape(1)) > 500);
+    CHECK(cv::countNonZero(image.colRange(400, 640).clone().reshape(1)) == 0);
 }

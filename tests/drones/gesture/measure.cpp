@@ -1,4 +1,4 @@
-// measure_gestures: counts the fingers in pictures whose number of fingers is known, by each way that the drone has.
+// measure_gestures: counts the fingers in images whose number of fingers is known, by each way that the drone has.
 #include <hand_search.hpp>
 #include <opencv2/core/utility.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -20,20 +20,20 @@ struct Way {
     std::map<std::string, int> right = {};  ///< by the true number of fingers
 };
 
-std::vector<Hand> by_silhouette(const cv::Mat& picture, const char* from)
+std::vector<Hand> by_silhouette(const cv::Mat& image, const char* from)
 {
     gesture::Silhouette silhouette;
     silhouette.from = from;
-    return gesture::GestureFinder().find(silhouette.of(picture));
+    return gesture::GestureFinder().find(silhouette.of(image));
 }
 
 std::vector<Way> ways(const std::string& cascade)
 {
     const auto search = std::make_shared<gesture::HandSearch>();
     search->load_faces(cascade);
-    return {{"mask", [](const cv::Mat& picture) { return by_silhouette(picture, "mask"); }},
-            {"skin", [](const cv::Mat& picture) { return by_silhouette(picture, "skin"); }},
-            {"search", [search](const cv::Mat& picture) { return search->find(picture); }}};
+    return {{"mask", [](const cv::Mat& image) { return by_silhouette(image, "mask"); }},
+            {"skin", [](const cv::Mat& image) { return by_silhouette(image, "skin"); }},
+            {"search", [search](const cv::Mat& image) { return search->find(image); }}};
 }
 
 /// "5", or "-" when there is no hand.
@@ -42,10 +42,10 @@ std::string count_text(const std::vector<Hand>& hands)
     return hands.empty() ? "-" : std::to_string(hands[0].tips.size());
 }
 
-void draw(const std::string& folder, const std::string& name, cv::Mat picture, const std::vector<Hand>& hands)
+void draw(const std::string& folder, const std::string& name, cv::Mat image, const std::vector<Hand>& hands)
 {
-    gesture::draw(picture, hands);
-    cv::imwrite(folder + "/" + name + ".png", picture);
+    gesture::draw(image, hands);
+    cv::imwrite(folder + "/" + name + ".png", image);
 }
 
 int run(std::vector<std::string> arguments)
@@ -56,10 +56,10 @@ int run(std::vector<std::string> arguments)
         arguments.erase(arguments.begin(), arguments.begin() + 2);
     }
     if (arguments.empty())
-        throw std::invalid_argument("no picture");
+        throw std::invalid_argument("no image");
     auto all = ways(cascade);
-    std::map<std::string, int> pictures;  ///< by the true number of fingers
-    std::printf("%-34s %7s", "picture", "fingers");
+    std::map<std::string, int> images;  ///< by the true number of fingers
+    std::printf("%-34s %7s", "image", "fingers");
     for (const Way& way : all)
         std::printf(" %7s", way.name.c_str());
     std::printf("\n");
@@ -68,21 +68,21 @@ int run(std::vector<std::string> arguments)
         const std::string path = argument.substr(0, sign),
                           truth = sign == std::string::npos ? "?" : argument.substr(sign + 1),
                           name = std::filesystem::path(path).stem().string();
-        const cv::Mat picture = cv::imread(path);
-        if (picture.empty())
+        const cv::Mat image = cv::imread(path);
+        if (image.empty())
             throw std::runtime_error("OpenCV cannot read " + path);
         std::printf("%-34s %7s", name.c_str(), truth.c_str());
         for (Way& way : all) {
-            const auto hands = way.find(picture);
+            const auto hands = way.find(image);
             way.right[truth] += count_text(hands) == truth ? 1 : 0;
             std::printf(" %7s", count_text(hands).c_str());
             if (!folder.empty() && way.name == "search")
-                draw(folder, name, picture.clone(), hands);
+                draw(folder, name, image.clone(), hands);
         }
         std::printf("\n");
-        ++pictures[truth];
+        ++images[truth];
     }
-    for (const auto& [truth, count] : pictures) {
+    for (const auto& [truth, count] : images) {
         std::printf("%-34s %7s", ("right of " + std::to_string(count)).c_str(), truth.c_str());
         for (Way& way : all)
             std::printf(" %7d", way.right[truth]);
@@ -98,7 +98,6 @@ try {
     cv::setNumThreads(1);  // as in the drone
     return run({argv + 1, argv + argc});
 } catch (const std::exception& error) {
-    std::cerr << "measure_gestures: " << error.what()
-              << "\nusage: measure_gestures [--draw FOLDER] PICTURE=FINGERS...\n";
+    std::cerr << "measure_gestures: " << error.what() << "\nusage: measure_gestures [--draw FOLDER] IMAGE=FINGERS...\n";
     return 2;
 }

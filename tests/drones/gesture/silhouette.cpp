@@ -27,18 +27,18 @@ TEST_CASE("silhouette: a mask is taken from its level on, grey or colour")
     }
 }
 
-TEST_CASE("silhouette: skin is in the range, grey walls and blue shirts are not; a grey picture has none")
+TEST_CASE("silhouette: skin is in the range, grey walls and blue shirts are not; a grey image has no skin")
 {
     Silhouette silhouette;
     silhouette.from = "skin";
-    cv::Mat picture(1, 3, CV_8UC3);
-    picture.at<cv::Vec3b>(0) = {110, 150, 205};
-    picture.at<cv::Vec3b>(1) = {130, 130, 130};
-    picture.at<cv::Vec3b>(2) = {180, 90, 60};
-    const cv::Mat skin = silhouette.of(picture);
+    cv::Mat image(1, 3, CV_8UC3);
+    image.at<cv::Vec3b>(0) = {110, 150, 205};
+    image.at<cv::Vec3b>(1) = {130, 130, 130};
+    image.at<cv::Vec3b>(2) = {180, 90, 60};
+    const cv::Mat skin = silhouette.of(image);
     CHECK(skin.at<unsigned char>(0) == 255);
     CHECK(cv::countNonZero(skin) == 1);
     silhouette.skin.cr_max = 140;  // that of the skin above is 158
-    CHECK(cv::countNonZero(silhouette.of(picture)) == 0);
+    CHECK(cv::countNonZero(silhouette.of(image)) == 0);
     CHECK(cv::countNonZero(silhouette.of(cv::Mat(4, 4, CV_8UC1, cv::Scalar(200)))) == 0);
 }

@@ -1,4 +1,4 @@
-// The gesture swarm from camera to collector: what is read equals what a plain program with the same classes reads.
+// The gesture swarm from camera to collector: the results equal those of a plain program with the same classes.
 #include "page.hpp"
 #include "plain_program.hpp"
 
@@ -12,7 +12,7 @@ using hive::Json;
 
 namespace {
 
-/// What a hand is on the wire, as the drone's page says.
+/// A hand as JSON, as on the drone's page.
 Json expected(const gesture::Hand& hand)
 {
     const auto tenths = [](double value) { return std::round(value * 10) / 10; };
@@ -32,13 +32,13 @@ Json expected(const gesture::Hand& hand)
     return json;
 }
 
-/// The hands in a silhouette, or in the parts of a picture that have the colour of skin.
-Json plain_hands(const cv::Mat& picture, const char* from)
+/// The hands in a silhouette, or in the parts of an image that have the colour of skin.
+Json plain_hands(const cv::Mat& image, const char* from)
 {
     gesture::Silhouette silhouette;
     silhouette.from = from;
     Json hands = Json::array();
-    for (const auto& hand : gesture::GestureFinder().find(silhouette.of(picture)))
+    for (const auto& hand : gesture::GestureFinder().find(silhouette.of(image)))
         hands.push_back(expected(hand));
     return hands;
 }
@@ -54,10 +54,9 @@ camera::SceneSettings hand_before(camera::Background wall)
 
 }  // namespace
 
-TEST_CASE(
-    "gesture swarm: on demand, every picture of the scene is read as a plain program reads it, and as it was drawn")
+TEST_CASE("gesture swarm: on demand, every image of the scene is read as a plain program reads it, and as it was drawn")
 {
-    constexpr int pictures = sanitized() ? 40 : 210;  // 210: once through all gestures
+    constexpr int frames = sanitized() ? 40 : 210;  // 210: once through all gestures
     cv::setNumThreads(1);
     const Swarm swarm;
     const auto camera = swarm.drone("camera", "camera", {"source=scene:plain", "hand=on", "faces=0", "pace=demand"});
@@ -66,13 +65,13 @@ TEST_CASE(
     const auto collector = application.collect({{"gesture", "gesture"}});
     application.connect({"camera", ""}, {"gesture", ""});
     const camera::Scene scene(hand_before(camera::Background::plain));
-    for (int index = 0; index < pictures; ++index) {
+    for (int index = 0; index < frames; ++index) {
         CAPTURE(index);
         const auto result = collector->next(patient(Milliseconds(10'000)));
         REQUIRE(result);
         CHECK(result->identity.sequence == index + 1);
-        CHECK(result->header.at("hands") == plain_hands(scene.picture(index).image, "skin"));
-        const auto truth = scene.picture(index).hands;
+        CHECK(result->header.at("hands") == plain_hands(scene.frame(index).image, "skin"));
+        const auto truth = scene.frame(index).hands;
         REQUIRE(result->header.at("hands").size() == truth.size());
         if (!truth.empty())
             CHECK(result->header.at("hands")[0].at("fingers") == truth[0].fingers);
@@ -80,9 +79,9 @@ TEST_CASE(
 }
 
 TEST_CASE(
-    "gesture swarm: behind the background drone, on demand, the hands of every picture are those of one plain program")
+    "gesture swarm: behind the background drone, on demand, the hands of every image are those of one plain program")
 {
-    constexpr int pictures = sanitized() ? 45 : 210;  // as above; the first 30 are without the hand
+    constexpr int frames = sanitized() ? 45 : 210;  // as above; the first 30 are without the hand
     const Swarm swarm;
     const auto gesture = swarm.drone("gesture", "gesture");
     const auto background = swarm.drone("background", "background");
@@ -92,8 +91,8 @@ TEST_CASE(
     application.connect({"background", "mask"}, {"gesture", "mask"});
     application.connect({"camera", ""}, {"background", ""});
     const auto settings = hand_before(camera::Background::brick);
-    const auto headers = checked_headers(*collector, "hands", pictures, [&](std::int64_t first) {
-        return plain_program(scene_pictures(settings), {}, first, pictures,
+    const auto headers = checked_headers(*collector, "hands", frames, [&](std::int64_t first) {
+        return plain_program(scene_frames(settings), {}, first, frames,
                              [](std::int64_t, const background::Foreground& found, const cv::Mat&) {
                                  return plain_hands(found.mask, "mask");
                              });
@@ -101,7 +100,7 @@ TEST_CASE(
     int shown = 0, read = 0;
     const camera::Scene scene(settings);
     for (std::size_t index = 0; index < headers.size(); ++index)
-        if (const auto truth = scene.picture(static_cast<std::int64_t>(index)).hands; !truth.empty()) {
+        if (const auto truth = scene.frame(static_cast<std::int64_t>(index)).hands; !truth.empty()) {
             ++shown;
             const auto& hands = headers[index].at("hands");
             read += !hands.empty() && hands[0].at("fingers") == truth[0].fingers ? 1 : 0;
@@ -111,8 +110,7 @@ TEST_CASE(
     CHECK(read > 0.95 * shown);
 }
 
-TEST_CASE(
-    "gesture swarm: live, at the defaults, the header is as the page shows it, and the picture has the hand marked")
+TEST_CASE("gesture swarm: live, at the defaults, the header is as the page shows it, and the image has the hand marked")
 {
     const Swarm swarm;
     const auto camera = swarm.drone("camera", "camera", {"source=scene:plain", "hand=on", "faces=0"});
@@ -132,8 +130,8 @@ TEST_CASE(
     CHECK(own_keys(shown->header) == keys(example));
     CHECK(keys(shown->header["hands"][0]) == keys(example["hands"][0]));
     CHECK(keys(shown->header["hands"][0]["palm"]) == keys(example["hands"][0]["palm"]));
-    const auto picture = annotated->next(patient(Milliseconds(5000)));
-    REQUIRE(picture);
-    CHECK(picture->header.contains("hands"));
-    CHECK(picture->body.size() > 5000);
+    const auto image = annotated->next(patient(Milliseconds(5000)));
+    REQUIRE(image);
+    CHECK(image->header.contains("hands"));
+    CHECK(image->body.size() > 5000);
 }

@@ -36,7 +36,7 @@ TEST_CASE("condition: an array counts as its length, and a path leads to each of
         CHECK_FALSE_MESSAGE(holds(text, header), std::string(text));
 }
 
-TEST_CASE("condition: what is none is refused")
+TEST_CASE("condition: an invalid one is refused")
 {
     for (const char* text : {"", " ", "=3", "count=", "count=>3", "count<>3", "a..b", ".a", "a,", "a,=2", "!a"})
         CHECK_THROWS_AS_MESSAGE(holds(text, {}), std::invalid_argument, std::string(text));

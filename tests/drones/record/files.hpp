@@ -66,7 +66,7 @@ inline hive::recording::WriterSettings settings(const fs::path& path)
     return {.path = path, .overwrite = false, .limits = {}, .sync = std::chrono::milliseconds(0)};
 }
 
-/// A recording of so many events; its bytes.
+/// The bytes of a recording with this many events.
 inline std::string record(const fs::path& path, int events)
 {
     {

@@ -63,7 +63,7 @@ TEST_CASE("recording: what was written is read back, event by event, with its ti
     CHECK(reader.problem() == "");
 }
 
-TEST_CASE("recording: an empty one is whole; what is none is refused")
+TEST_CASE("recording: an empty one is complete; another file is refused")
 {
     const Folder folder;
     record(folder / "empty", 0);
@@ -114,7 +114,7 @@ TEST_CASE("recording: seeking by the index finds the first event of every time")
     }
 }
 
-TEST_CASE("recording: limits end it before they are passed, and what comes later is no loss")
+TEST_CASE("recording: limits end it before they are exceeded, and later events are not losses")
 {
     const Folder folder;
     auto wanted = settings(folder / "size");
@@ -146,7 +146,7 @@ TEST_CASE("recording: limits end it before they are passed, and what comes later
     CHECK_FALSE(append(writer, 1, begin));
 }
 
-TEST_CASE("recording: when the disk takes no more, the file is ended there, and says what was lost")
+TEST_CASE("recording: when the disk is full, the file is ended there, and lists the losses")
 {
     const Folder folder;
     constexpr rlim_t most = 64 * 1024;
@@ -158,7 +158,7 @@ TEST_CASE("recording: when the disk takes no more, the file is ended there, and 
             REQUIRE(taken < 10'000);
         CHECK(writer.failure() == "disk full");
         {
-            Reader early(folder / "full");  // before anybody has ended it
+            Reader early(folder / "full");  // before its end is written
             CHECK(early.summary().ended == "disk full");
             CHECK(early.problem() == "");
         }
@@ -180,7 +180,7 @@ TEST_CASE("recording: when the disk takes no more, the file is ended there, and 
     CHECK(read.problem == "");
 }
 
-TEST_CASE("recording: no room at the start is said at the start, and leaves no file behind")
+TEST_CASE("recording: missing space at the start is reported at the start, and leaves no file")
 {
     const Folder folder;
     const FileSizeLimit limit(100);

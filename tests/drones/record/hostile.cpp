@@ -1,4 +1,4 @@
-// Files that are cut, changed or made up: what is whole is read, what is wrong is noticed, and nothing is believed.
+// Files that are cut, changed or made up: complete parts are read, errors are detected, and nothing is trusted.
 #include "files.hpp"
 
 #include <doctest/doctest.h>
@@ -94,7 +94,7 @@ TEST_CASE("recording: an event whose content was changed is left out alone")
     CHECK(read.texts.back() == text_of(events - 1));
 }
 
-TEST_CASE("recording: sizes that the file cannot hold allocate nothing, whatever their check sums say")
+TEST_CASE("recording: sizes beyond the file allocate nothing, even with valid check sums")
 {
     const Folder folder;
     using hive::recording::Kind;
@@ -216,7 +216,7 @@ std::string repeated(const std::string& text, std::size_t bytes)
 }
 
 /// The most that this process ever had.
-std::size_t most_kilobytes()
+std::size_t max_kilobytes()
 {
     std::ifstream status("/proc/self/status");
     for (std::string word; status >> word;)
@@ -231,7 +231,7 @@ TEST_CASE("recording: texts that are deep or wide are refused before they cost m
 {
     const Folder folder;
     constexpr std::size_t most = hive::recording::most_end_text - 100;
-    const std::size_t before = most_kilobytes();
+    const std::size_t before = max_kilobytes();
     for (const std::string& text :
          {std::string(most / 2, '[') + std::string(most / 2, ']'), "[" + repeated("{},", most) + "{}]",
           "{\"tracks\":[" + repeated("[[]],", most) + "[]]}", "[" + repeated("0,", most) + "0]"}) {
@@ -243,7 +243,7 @@ TEST_CASE("recording: texts that are deep or wide are refused before they cost m
     // The four texts here and their copies there; the values of 16 MiB of "{}," alone would be 500 MB. A sanitizer has
     // a shadow of all memory, and keeps what was freed.
     if (!hive::test::sanitized())
-        CHECK(most_kilobytes() < before + 250'000);
+        CHECK(max_kilobytes() < before + 250'000);
 }
 
 TEST_CASE("recording: numbers that cannot be, in its end and in its records, are no summary and no time")

@@ -1,4 +1,4 @@
-// Recording and replaying with real drones: nothing is changed, nothing is lost in silence, whatever ends the recorder.
+// Recording and replaying with real drones: nothing is changed, and no loss is silent, however the recorder ends.
 #include "measure.hpp"
 #include "recorded.hpp"
 #include "status_sums.hpp"
@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 
 constexpr hive::ConnectionOptions wide{.window = 64, .group = {}, .lease = {}};
 
-/// Everything that an event is, as bytes; by whom it was shared on its way is no part of it.
+/// Everything that an event is, as bytes; except the shares on its way.
 std::string bytes_of(hive::Event event)
 {
     event.identity.shares.clear();
@@ -32,7 +32,7 @@ std::string bytes_of(hive::Event event)
            + std::string(reinterpret_cast<const char*>(event.body.data()), event.body.size());
 }
 
-/// The same, but for who sent it.
+/// The same, except for the sender.
 std::string bytes_without_sender(hive::Event event)
 {
     event.sender = event.kind = event.output = "any";
@@ -65,7 +65,7 @@ std::vector<hive::Event> replayed(const Swarm& swarm, const fs::path& file, std:
     return events;
 }
 
-/// The sequences of what can be read, which must be without a gap.
+/// The sequences of the readable events, which must have no gap.
 std::int64_t contiguous_events(Reader& reader)
 {
     std::int64_t count = 0, last = 0;
@@ -174,7 +174,8 @@ TEST_CASE("recording: a recorder that is killed leaves every event that it had t
     CHECK(application.status("replay").last_exception.value().code == "malformed");
 }
 
-TEST_CASE("recording: a full disk is said within a second, costs others nothing, and the file is whole up to there")
+TEST_CASE(
+    "recording: a full disk is reported within a second, delays no one else, and the file is complete up to there")
 {
     const Swarm swarm;
     if (!possible(swarm.run({"/usr/bin/unshare", "-Urm", "/bin/true"}).exit_code == 0
@@ -240,7 +241,7 @@ TEST_CASE("recording: a full disk is said within a second, costs others nothing,
     CHECK(reader.problem() == "");
 }
 
-TEST_CASE("recording: a recorder that was killed and is started again goes on in a new file, and what it had stays")
+TEST_CASE("recording: a killed and restarted recorder continues in a new file, and the old file stays")
 {
     const Swarm swarm;
     const auto source = swarm.drone("ticker", "source", {"fps=100"});
@@ -367,7 +368,7 @@ TEST_CASE("replay: another pace holds from the next event on, for which everybod
     CHECK(edge_to(application.status("replay"), "slow.image").events.of(hive::Fate::skipped) == 0);
 }
 
-TEST_CASE("replay: how many events are to come is said for the loop that holds now")
+TEST_CASE("replay: the number of remaining events is that of the current loop")
 {
     const Swarm swarm;
     const auto file = (swarm.home() / "run.hive").string();
@@ -428,7 +429,7 @@ TEST_CASE("recording: a set reaches no file outside of the folder that the recor
         CHECK(fs::status(file).permissions() == (fs::perms::owner_read | fs::perms::owner_write));
 }
 
-TEST_CASE("hivectl record: ends as it is told, says what is in the file, and its exit code says what is not")
+TEST_CASE("hivectl record: ends as requested, prints the content of the file, and exits with the losses")
 {
     const Swarm swarm;
     const auto left = swarm.drone("ticker", "left", {"fps=40"}), right = swarm.drone("ticker", "right", {"fps=40"});
@@ -472,7 +473,7 @@ TEST_CASE("hivectl record: Ctrl-C is its proper end, and headers alone are repla
     const auto source = swarm.drone("ticker", "source", {"fps=40"});
     const auto file = swarm.home() / "run.hive";
     auto application = swarm.application();
-    const auto somebody = application.collect({{"source", "tick"}});  // bodies that nobody receives are not made
+    const auto receiver = application.collect({{"source", "tick"}});  // bodies that nobody receives are not made
     auto running = swarm.hivectl_running({"record", "source", "-o", file.string(), "--notify"}, "recording");
     REQUIRE(eventually([&] { return recorded_in(file) > 10; }));
     running.signal(SIGINT);

@@ -21,7 +21,7 @@ std::vector<std::int64_t> times(Playback& playback, bool again, std::size_t most
 
 }  // namespace
 
-TEST_CASE("playback: a range begins and ends where it says, once or again and again")
+TEST_CASE("playback: a range has its start and end, once or in a loop")
 {
     const Folder folder;
     record(folder / "a", 30);
@@ -61,7 +61,7 @@ TEST_CASE("playback: the first event comes again as long after the last as the e
     CHECK_FALSE(once.current());
 }
 
-TEST_CASE("timeline: what begins anew after a pause is due when the pause is over, divided by the speed")
+TEST_CASE("timeline: an event after a restart is due after the pause, divided by the speed")
 {
     Timeline timeline;
     const Timeline::Clock::time_point now{100s};
@@ -94,7 +94,7 @@ TEST_CASE("timeline: neither a pause nor a jump back is followed by a burst")
     CHECK(timeline.due(1'500'000, 10, now + 61500ms) == now + 61500ms);  // another speed counts from here
 }
 
-TEST_CASE("timeline: a time that no clock reaches is due in years, whatever the speed")
+TEST_CASE("timeline: a time beyond any clock is due in years at any speed")
 {
     Timeline timeline;
     const Timeline::Clock::time_point now{};

@@ -1,4 +1,4 @@
-// A replay in a swarm: a recording that begins again is a source that was started again.
+// A replay in a swarm: a restarted recording is a restarted source.
 #include "swarm.hpp"
 
 #include <doctest/doctest.h>
@@ -19,7 +19,7 @@ std::int64_t refused_by_track(hive::Application& application)
     return refused;
 }
 
-/// A file of the faces in five pictures.
+/// A file of the faces in five images.
 std::string recorded_faces(const Swarm& swarm)
 {
     const auto file = (swarm.home() / "faces.hive").string();
@@ -29,7 +29,7 @@ std::string recorded_faces(const Swarm& swarm)
     return file;
 }
 
-/// Of so many results the epochs and sequences, of which none may come twice.
+/// The epochs and sequences of this many results, each of which must be unique.
 std::set<std::pair<std::int64_t, std::int64_t>> identities(hive::Collector& tracks, std::size_t count)
 {
     std::set<std::pair<std::int64_t, std::int64_t>> all;

@@ -1,4 +1,4 @@
-// Boxes out of headers: whoever made them; what is no box is refused.
+// Reads boxes from headers of any drone, and refuses invalid ones.
 #include "../../../drones/track/boxes.hpp"
 
 #include <doctest/doctest.h>
@@ -24,7 +24,7 @@ std::optional<hive::Errc> refusal(const Json& header, const std::string& name = 
 
 }  // namespace
 
-TEST_CASE("boxes: the only array of boxes is found, whatever its name and whatever else the boxes say")
+TEST_CASE("boxes: the only array of boxes is found, with any name and any other fields")
 {
     const std::vector<Box> one{{1, 2, 3, 4}};
     CHECK(boxes_in(Json::parse(R"({"faces":[{"x":1,"y":2,"w":3,"h":4}],"width":640,"height":480})"), "") == one);
@@ -42,7 +42,7 @@ TEST_CASE("boxes: of several arrays the name chooses")
     CHECK(refusal(header, "dogs") == hive::Errc::malformed);
 }
 
-TEST_CASE("boxes: what is no box is refused")
+TEST_CASE("boxes: invalid boxes are refused")
 {
     for (const char* text :
          {R"({})", R"({"boxes":{}})", R"({"boxes":[1]})", R"({"boxes":[{"x":1,"y":2,"w":3}]})",
@@ -52,8 +52,8 @@ TEST_CASE("boxes: what is no box is refused")
         CHECK(refusal(Json::parse(text)) == hive::Errc::malformed);
     }
     const Json box{{"x", 1}, {"y", 2}, {"w", 3}, {"h", 4}};
-    CHECK_FALSE(refusal({{"boxes", Json(track::most_boxes, box)}}));
-    CHECK(refusal({{"boxes", Json(track::most_boxes + 1, box)}}) == hive::Errc::too_large);
+    CHECK_FALSE(refusal({{"boxes", Json(track::max_boxes, box)}}));
+    CHECK(refusal({{"boxes", Json(track::max_boxes + 1, box)}}) == hive::Errc::too_large);
 }
 
 TEST_CASE("boxes: a score and colours are taken, and left alone when they are something else")
@@ -81,7 +81,7 @@ TEST_CASE("boxes: as many tracks as there may be fit into a header")
                      .hits = 12345,
                      .missing = 100,
                      .confirmed = false};
-    const std::string text = hive::to_text({{"tracks", track::to_json(std::vector(track::most_boxes, one))}});
+    const std::string text = hive::to_text({{"tracks", track::to_json(std::vector(track::max_boxes, one))}});
     CHECK(text.size() < 60 * 1024);
     CHECK(track::to_json({one})[0]
           == Json::parse(

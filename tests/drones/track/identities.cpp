@@ -12,7 +12,7 @@ using hive::test::boxes_of;
 
 namespace {
 
-scoring::Identities on_scene(int walkers, std::uint64_t seed, int pictures)
+scoring::Identities on_scene(int walkers, std::uint64_t seed, int frames)
 {
     camera::SceneSettings settings;
     settings.size = {320, 240};
@@ -27,8 +27,8 @@ scoring::Identities on_scene(int walkers, std::uint64_t seed, int pictures)
     tracker.width = settings.size.width;
     tracker.height = settings.size.height;
     scoring::Identities score;
-    for (int index = 0; index < pictures; ++index) {
-        const auto [image, truth, hands] = scene.picture(index);
+    for (int index = 0; index < frames; ++index) {
+        const auto [image, truth, hands] = scene.frame(index);
         const auto tracks = tracker.next(index / 30.0, boxes_of(finder.find(image), image));
         std::vector<scoring::TrueBox> walking;
         for (const auto& [kind, id, box] : truth)
@@ -60,18 +60,18 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("identities: the true boxes of 400 pictures of pedestrians give the true identities (needs media)")
+TEST_CASE("identities: the true boxes of 400 frames of pedestrians give the true identities (needs media)")
 {
     const auto list = media::shared("media/pedestrians_0001-0400.gt.csv");
     if (!list)
         return;
     track::Tracker tracker;
     scoring::Identities score;
-    for (const auto& [picture, boxes] : media::ground_truth(*list)) {
+    for (const auto& [image, boxes] : media::ground_truth(*list)) {
         std::vector<track::Box> seen;
         for (const auto& one : boxes)
             seen.push_back({one.box.x, one.box.y, one.box.width, one.box.height});
-        score.add(tracker.next(picture / 10.0, seen), boxes, 0.3);
+        score.add(tracker.next(image / 10.0, seen), boxes, 0.3);
     }
     report("true boxes", score);
     CHECK(score.switches == 0);
@@ -90,10 +90,10 @@ TEST_CASE("identities: pedestrians in the open, by background subtraction alone 
     finder.close = 3;
     track::Tracker tracker;
     scoring::Identities score;
-    cv::VideoCapture pictures(clip->string());
-    cv::Mat picture, half;
-    for (int number = 1; pictures.read(picture); ++number) {
-        cv::resize(picture, half, {}, 0.5, 0.5, cv::INTER_AREA);
+    cv::VideoCapture video(clip->string());
+    cv::Mat image, half;
+    for (int number = 1; video.read(image); ++number) {
+        cv::resize(image, half, {}, 0.5, 0.5, cv::INTER_AREA);
         score.add(tracker.next(number / 10.0, boxes_of(finder.find(half), half, 2)), truth[number], 0.3);
     }
     report("background", score);

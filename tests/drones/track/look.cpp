@@ -1,4 +1,4 @@
-// Looks: how different two are, and how one follows.
+// Appearances: their difference, and their update.
 #include <doctest/doctest.h>
 #include <look.hpp>
 
@@ -12,7 +12,7 @@ TEST_CASE("look: nothing in common is 1, the same is 0, half in common is in bet
     CHECK(difference({1, 0}, {0.5F, 0.5F}).value() == doctest::Approx(0.541).epsilon(0.01));
 }
 
-TEST_CASE("look: what is not known, or made in another way, is not compared")
+TEST_CASE("look: unknown or different kinds are not compared")
 {
     CHECK_FALSE(difference({}, {}));
     CHECK_FALSE(difference({1, 0}, {}));
@@ -21,7 +21,7 @@ TEST_CASE("look: what is not known, or made in another way, is not compared")
     CHECK(track::look_of({1, 3}) == Look{0.25F, 0.75F});
 }
 
-TEST_CASE("look: it follows what is seen by its share, and begins with the first")
+TEST_CASE("look: it starts with the first observation, and follows others by its share")
 {
     Look look;
     track::follow(look, {1, 0}, 0.1);

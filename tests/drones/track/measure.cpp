@@ -21,14 +21,14 @@ using Truth = std::vector<scoring::TrueBox>;
 
 track::Box box_of(const cv::Rect2d& box) { return {.x = box.x, .y = box.y, .w = box.width, .h = box.height}; }
 
-/// One picture after the other, with its truth; an empty one at the end.
+/// One image after the other, with its truth; an empty one at the end.
 struct Clip {
     std::string name;
     double fps;
     std::function<cv::Mat(Truth&)> next;
 };
 
-/// What makes boxes of a picture: the drone's algorithm with the drone's defaults, or the truth itself.
+/// What makes boxes of an image: the drone's algorithm with the drone's defaults, or the truth itself.
 using Finder = std::function<Boxes(const cv::Mat&, const Truth&)>;
 
 Finder finder_named(const std::string& name)
@@ -41,18 +41,18 @@ Finder finder_named(const std::string& name)
             return boxes;
         };
     if (name == "background")
-        return [finder = background::ForegroundFinder()](const cv::Mat& picture, const Truth&) mutable {
-            return hive::test::boxes_of(finder.find(picture), picture);
+        return [finder = background::ForegroundFinder()](const cv::Mat& image, const Truth&) mutable {
+            return hive::test::boxes_of(finder.find(image), image);
         };
     if (name == "people") {
         detect::PeopleFinder finder;
         finder.enlarge = 2;  // or most of those in surveillance videos are too small
-        return [finder](const cv::Mat& picture, const Truth&) {
+        return [finder](const cv::Mat& image, const Truth&) {
             Boxes boxes;
-            for (const auto& person : finder.find(picture)) {
+            for (const auto& person : finder.find(image)) {
                 boxes.push_back(box_of(person.box));
                 boxes.back().score = person.score;
-                const auto seen = colours::of(picture, person.box);
+                const auto seen = colours::of(image, person.box);
                 boxes.back().look = track::look_of({seen.begin(), seen.end()});
             }
             return boxes;
@@ -61,17 +61,17 @@ Finder finder_named(const std::string& name)
     throw std::invalid_argument("no boxes from " + name + "; there are background, people and truth");
 }
 
-Clip drawn(int walkers, std::uint64_t seed, int pictures)
+Clip drawn(int walkers, std::uint64_t seed, int frames)
 {
     camera::SceneSettings settings;
     settings.faces = 0;
     settings.walkers = walkers;
     settings.seed = seed;
     return {"drawn, " + std::to_string(walkers) + " walkers, seed " + std::to_string(seed), 30,
-            [scene = camera::Scene(settings), pictures, index = 0](Truth& truth) mutable {
-                if (index == pictures)
+            [scene = camera::Scene(settings), frames, index = 0](Truth& truth) mutable {
+                if (index == frames)
                     return cv::Mat();
-                const auto [image, things, hands] = scene.picture(index++);
+                const auto [image, things, hands] = scene.frame(index++);
                 for (const auto& [kind, id, box] : things)
                     truth.push_back({id, box});
                 return image;
@@ -86,14 +86,14 @@ Clip filmed(const fs::path& video, const fs::path& list)
     const double fps = film.get(cv::CAP_PROP_FPS);
     return {video.filename().string(), fps > 0 ? fps : 25,
             [film, truths = media::ground_truth(list), number = 0](Truth& truth) mutable {
-                cv::Mat picture;
-                film.read(picture);
+                cv::Mat image;
+                film.read(image);
                 truth = truths[++number];
-                return picture;
+                return image;
             }};
 }
 
-/// The clips of a folder that have a NAME.gt.csv beside them.
+/// The clips of a folder with a NAME.gt.csv next to them.
 std::vector<Clip> clips_in(const fs::path& folder)
 {
     std::vector<Clip> clips;
@@ -114,12 +114,12 @@ scoring::Identities measured(Clip& clip, Finder find, double enough)
     scoring::Identities score;
     Truth truth;
     for (int number = 0;; ++number, truth.clear()) {
-        const cv::Mat picture = clip.next(truth);
-        if (picture.empty())
+        const cv::Mat image = clip.next(truth);
+        if (image.empty())
             return score;
-        tracker.width = picture.cols;
-        tracker.height = picture.rows;
-        score.add(tracker.next(number / clip.fps, find(picture, truth)), truth, enough);
+        tracker.width = image.cols;
+        tracker.height = image.rows;
+        score.add(tracker.next(number / clip.fps, find(image, truth)), truth, enough);
     }
 }
 
@@ -135,7 +135,7 @@ int run(const std::vector<std::string>& arguments)
 {
     std::string boxes = "background", folder;
     double enough = 0.5;
-    int pictures = 600;
+    int frames = 600;
     for (std::size_t i = 0; i < arguments.size(); ++i) {
         const auto value = [&] {
             return i + 1 < arguments.size() ? arguments[++i] : throw std::invalid_argument("a value is missing");
@@ -144,8 +144,8 @@ int run(const std::vector<std::string>& arguments)
             boxes = value();
         else if (arguments[i] == "--overlap")
             enough = std::stod(value());
-        else if (arguments[i] == "--pictures")
-            pictures = std::stoi(value());
+        else if (arguments[i] == "--frames")
+            frames = std::stoi(value());
         else if (!arguments[i].starts_with("-") && folder.empty())
             folder = arguments[i];
         else
@@ -154,7 +154,7 @@ int run(const std::vector<std::string>& arguments)
     std::vector<Clip> clips;
     if (folder.empty())
         for (const auto& [walkers, seed] : {std::pair{2, 1}, {3, 2}, {4, 3}})
-            clips.push_back(drawn(walkers, static_cast<std::uint64_t>(seed), pictures));
+            clips.push_back(drawn(walkers, static_cast<std::uint64_t>(seed), frames));
     else
         clips = clips_in(folder);
     std::printf("%-34s %-10s %6s %7s %7s %8s %6s %6s\n", "clip", "boxes", "truth", "MOTA", "IDF1", "switches", "missed",
@@ -172,6 +172,6 @@ try {
     return run({argv + 1, argv + argc});
 } catch (const std::exception& error) {
     std::cerr << "measure_tracks: " << error.what()
-              << "\nusage: measure_tracks [FOLDER] [--boxes background|people|truth] [--overlap IOU] [--pictures N]\n";
+              << "\nusage: measure_tracks [FOLDER] [--boxes background|people|truth] [--overlap IOU] [--frames N]\n";
     return 2;
 }

@@ -1,4 +1,4 @@
-// The examples on the pages of the drones: what they show is what the code writes and reads.
+// The examples on the pages of the drones: they match what the code writes and reads.
 #include "../../../drones/track/boxes.hpp"
 
 #include <colours.hpp>

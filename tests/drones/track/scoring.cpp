@@ -1,4 +1,4 @@
-// The figures of the field, on a few pictures that can be counted by hand.
+// The figures of the field, on a few frames that can be counted by hand.
 #include "scoring.hpp"
 
 #include <doctest/doctest.h>
@@ -23,20 +23,20 @@ scoring::TrueBox thing(int id, double x) { return {id, {x, 0, 10, 10}}; }
 TEST_CASE("scoring: tracks that keep to their things are worth everything")
 {
     Identities score;
-    for (int picture = 0; picture < 10; ++picture)
+    for (int frame = 0; frame < 10; ++frame)
         score.add(std::vector{seen(7, 0), seen(9, 50)}, std::vector{thing(1, 0), thing(2, 51)}, 0.5);
     CHECK(score.mota() == 1);
     CHECK(score.idf1() == 1);
     CHECK(score.switches == 0);
 }
 
-TEST_CASE("scoring: a switch, a miss and a false track cost one each; IDF1 asks who had the thing for the longest time")
+TEST_CASE("scoring: a switch, a miss and a false track cost one each; IDF1 counts the longest track of each object")
 {
     Identities score;
     const std::vector truth{thing(1, 0)};
-    for (int picture = 0; picture < 6; ++picture)
+    for (int frame = 0; frame < 6; ++frame)
         score.add(std::vector{seen(1, 0)}, truth, 0.5);
-    for (int picture = 0; picture < 2; ++picture)
+    for (int frame = 0; frame < 2; ++frame)
         score.add(std::vector{seen(2, 0)}, truth, 0.5);  // a switch, once
     score.add({}, truth, 0.5);                           // a miss
     score.add(std::vector{seen(2, 30)}, truth, 0.5);     // a miss and a false one
@@ -48,7 +48,7 @@ TEST_CASE("scoring: a switch, a miss and a false track cost one each; IDF1 asks 
     CHECK(score.idf1() == doctest::Approx(2 * 6 / (10.0 + 9)));
 }
 
-TEST_CASE("scoring: who has a track keeps it, though another overlaps more; the others are paired at the best in all")
+TEST_CASE("scoring: an object keeps its track, even if another overlaps more; the others are paired at the optimum")
 {
     Identities score;
     score.add(std::vector{seen(1, 0)}, std::vector{thing(1, 0)}, 0.3);

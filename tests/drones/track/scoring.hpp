@@ -24,8 +24,8 @@ class Identities {
 public:
     int truths = 0, covered = 0, switches = 0, false_tracks = 0;
 
-    /// The next picture. Only tracks that are confirmed and were seen in it count.
-    /// @param enough  least intersection over union of a track with what it follows
+    /// The next frame. Only tracks that are confirmed and were seen in it count.
+    /// @param enough  minimum intersection over union of a track with its object
     void add(std::span<const track::Track> tracks, std::span<const TrueBox> truth, double enough)
     {
         std::vector<track::Track> left;
@@ -116,17 +116,17 @@ private:
         std::map<std::int64_t, std::size_t> columns;
         int most = 0;
         for (const auto& [thing, tracks] : together_)
-            for (const auto& [id, pictures] : tracks) {
+            for (const auto& [id, frames] : tracks) {
                 columns.try_emplace(id, columns.size());
-                most = std::max(most, pictures);
+                most = std::max(most, frames);
             }
         track::CostTable costs(together_.size(), columns.size());
         std::size_t row = 0;
         for (const auto& [thing, tracks] : together_) {
             for (std::size_t column = 0; column < columns.size(); ++column)
                 costs.at(row, column) = most;
-            for (const auto& [id, pictures] : tracks)
-                costs.at(row, columns.at(id)) = most - pictures;
+            for (const auto& [id, frames] : tracks)
+                costs.at(row, columns.at(id)) = most - frames;
             ++row;
         }
         double sum = 0;
@@ -136,7 +136,7 @@ private:
     }
 
     std::map<int, std::int64_t> last_;                     ///< the track of each thing
-    std::map<int, std::map<std::int64_t, int>> together_;  ///< of each thing and track: pictures in which they overlap
+    std::map<int, std::map<std::int64_t, int>> together_;  ///< of each thing and track: frames in which they overlap
 };
 
 }  // namespace scoring

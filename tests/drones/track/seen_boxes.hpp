@@ -9,12 +9,12 @@
 
 namespace hive::test {
 
-/// @param scale  of the pixels of the boxes to those of the picture
-inline std::vector<track::Box> boxes_of(const background::Foreground& found, const cv::Mat& picture, double scale = 1)
+/// @param scale  of the pixels of the boxes to those of the image
+inline std::vector<track::Box> boxes_of(const background::Foreground& found, const cv::Mat& image, double scale = 1)
 {
     std::vector<track::Box> boxes;
     for (const auto& [box, area] : found.blobs) {
-        const auto seen = colours::of(picture, box, found.mask);
+        const auto seen = colours::of(image, box, found.mask);
         boxes.push_back({.x = box.x * scale,
                          .y = box.y * scale,
                          .w = box.width * scale,

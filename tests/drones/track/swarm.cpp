@@ -14,7 +14,7 @@ using hive::Json;
 
 namespace {
 
-constexpr int pictures = sanitized() ? 60 : 240, fps = 30;
+constexpr int frames = sanitized() ? 60 : 240, fps = 30;
 
 camera::SceneSettings settings()
 {
@@ -25,16 +25,16 @@ camera::SceneSettings settings()
     return result;
 }
 
-/// Tracks of each picture as the swarm writes them.
-template <class Picture>
-std::map<std::int64_t, Json> plain_tracks(Picture picture, cv::Size size, std::int64_t first)
+/// Tracks of each frame as the swarm writes them.
+template <class Frame>
+std::map<std::int64_t, Json> plain_tracks(Frame frame, cv::Size size, std::int64_t first)
 {
     background::ForegroundFinder finder;
     finder.min_area = 75;
     track::Tracker tracker;
     tracker.width = size.width;
     tracker.height = size.height;
-    return plain_program(std::move(picture), finder, first, pictures,
+    return plain_program(std::move(frame), finder, first, frames,
                          [&](std::int64_t sequence, const background::Foreground& found, const cv::Mat& image) {
                              return track::to_json(
                                  tracker.next(static_cast<double>(sequence) / fps, boxes_of(found, image)));
@@ -49,7 +49,7 @@ std::size_t confirmed(const Json& tracks)
 
 }  // namespace
 
-TEST_CASE("tracking swarm: the tracks of every picture on demand are those of one plain program")
+TEST_CASE("tracking swarm: the tracks of every frame on demand are those of one plain program")
 {
     const Swarm swarm;
     const auto track = swarm.drone("track", "track", {"fps=" + std::to_string(fps)});
@@ -61,8 +61,8 @@ TEST_CASE("tracking swarm: the tracks of every picture on demand are those of on
     swarm.hivectl_done({"connect", "background", "track"});
     swarm.hivectl_done({"connect", "camera", "background"});
     std::size_t most = 0;
-    for (const auto& header : checked_headers(*collector, "tracks", pictures, [](auto first) {
-             return plain_tracks(scene_pictures(settings()), settings().size, first);
+    for (const auto& header : checked_headers(*collector, "tracks", frames, [](auto first) {
+             return plain_tracks(scene_frames(settings()), settings().size, first);
          })) {
         CHECK(header.at("width") == 320);
         most = std::max(most, confirmed(header.at("tracks")));
@@ -87,15 +87,15 @@ TEST_CASE("tracking swarm: so are those of filmed walkers")
     const cv::Size size(static_cast<int>(film.get(cv::CAP_PROP_FRAME_WIDTH)),
                         static_cast<int>(film.get(cv::CAP_PROP_FRAME_HEIGHT)));
     std::int64_t read = 0;
-    const auto picture = [&](std::int64_t sequence) {
+    const auto frame = [&](std::int64_t sequence) {
         cv::Mat result;
         for (; read < sequence; ++read)
             REQUIRE(film.read(result));
         return result;
     };
     std::size_t most = 0;
-    for (const auto& header : checked_headers(*collector, "tracks", pictures,
-                                              [&](auto first) { return plain_tracks(picture, size, first); }))
+    for (const auto& header :
+         checked_headers(*collector, "tracks", frames, [&](auto first) { return plain_tracks(frame, size, first); }))
         most = std::max(most, confirmed(header.at("tracks")));
     CHECK(most >= (sanitized() ? 1 : 3));
 }

@@ -11,7 +11,7 @@ using track::Tracker;
 
 namespace {
 
-constexpr double rate = 0.04;  // s between pictures
+constexpr double rate = 0.04;  // s between frames
 
 /// A box that moves evenly.
 struct Walk {
@@ -22,11 +22,11 @@ struct Walk {
 std::vector<Track> follow(Tracker& tracker, const std::vector<Walk>& walks, int from, int to)
 {
     std::vector<Track> tracks;
-    for (int picture = from; picture < to; ++picture) {
+    for (int frame = from; frame < to; ++frame) {
         std::vector<Box> boxes;
         for (const Walk& walk : walks)
-            boxes.push_back(walk.at(picture * rate));
-        tracks = tracker.next(picture * rate, boxes);
+            boxes.push_back(walk.at(frame * rate));
+        tracks = tracker.next(frame * rate, boxes);
     }
     return tracks;
 }
@@ -61,7 +61,7 @@ TEST_CASE("tracker: a track is confirmed by its third box, and one that misses e
     CHECK(tracks[0].seconds == doctest::Approx(2 * rate));
 }
 
-TEST_CASE("tracker: a confirmed track without boxes moves on, and ends after as many pictures as it may miss")
+TEST_CASE("tracker: a confirmed track without boxes keeps moving, and ends after its maximum of misses")
 {
     Tracker tracker;
     tracker.forget = 5;
@@ -78,7 +78,7 @@ TEST_CASE("tracker: a confirmed track without boxes moves on, and ends after as 
     CHECK(tracker.next(19 * rate, {}).empty());
 }
 
-TEST_CASE("tracker: a track that has left the picture ends, if the size of the picture is known")
+TEST_CASE("tracker: a track that has left the image ends, if the image size is known")
 {
     for (const bool known : {false, true}) {
         Tracker tracker;
@@ -91,7 +91,7 @@ TEST_CASE("tracker: a track that has left the picture ends, if the size of the p
     }
 }
 
-TEST_CASE("tracker: who goes out of the picture, cut off more and more, is not taken for who comes in there")
+TEST_CASE("tracker: an object leaving the image is not confused with one entering there")
 {
     Tracker tracker;
     tracker.width = 320;
@@ -102,8 +102,8 @@ TEST_CASE("tracker: who goes out of the picture, cut off more and more, is not t
     };
     const Walk out{200, 50, 100, 0}, in{440, 50, -100, 0};  // when one has gone the other comes
     std::vector<Track> tracks;
-    for (int picture = 0; picture < 60; ++picture) {
-        const double time = picture * rate;
+    for (int frame = 0; frame < 60; ++frame) {
+        const double time = frame * rate;
         std::vector<Box> boxes;
         for (const Walk& walk : {out, in})
             if (walk.at(time).x < 316)
@@ -118,7 +118,7 @@ TEST_CASE("tracker: who goes out of the picture, cut off more and more, is not t
     CHECK(tracks[0].box.x == doctest::Approx(in.at(59 * rate).x).epsilon(0.02));
 }
 
-TEST_CASE("tracker: who comes back in time where expected keeps the id; the speed is told in px/s")
+TEST_CASE("tracker: an object that reappears in time where expected keeps its id; the speed is in px/s")
 {
     Tracker tracker;
     const Walk walk{0, 50, 150, -30};
@@ -157,10 +157,10 @@ TEST_CASE("tracker: two that melt into one box for a while keep their ids, their
     Tracker tracker;
     tracker.forget = 10;
     auto tracks = follow(tracker, {right, left}, 0, 26);
-    for (int picture = 26; picture < 45; ++picture) {
-        const Box a = right.at(picture * rate), b = left.at(picture * rate);
+    for (int frame = 26; frame < 45; ++frame) {
+        const Box a = right.at(frame * rate), b = left.at(frame * rate);
         const double x = std::min(a.x, b.x), end = std::max(a.x, b.x) + 40;
-        tracks = tracker.next(picture * rate, std::vector<Box>{{x, 50, end - x, 110}});
+        tracks = tracker.next(frame * rate, std::vector<Box>{{x, 50, end - x, 110}});
         REQUIRE(tracks.size() == 2);
         CHECK(tracks[0].missing == 0);
         CHECK(tracks[0].hits == 26);
@@ -177,20 +177,20 @@ TEST_CASE("tracker: of two tracks that stay in one box only one is left in the e
 {
     Tracker tracker;
     tracker.forget = 5;
-    for (int picture = 0; picture < 10; ++picture)
-        CHECK(tracker.next(picture * rate, std::vector<Box>{{100, 50, 40, 40}, {100, 95, 40, 50}}).size() == 2);
+    for (int frame = 0; frame < 10; ++frame)
+        CHECK(tracker.next(frame * rate, std::vector<Box>{{100, 50, 40, 40}, {100, 95, 40, 50}}).size() == 2);
     const std::vector<Box> whole{{100, 50, 40, 95}};
-    for (int picture = 10; picture < 30; ++picture)
-        CHECK(tracker.next(picture * rate, whole).size() == 2);
+    for (int frame = 10; frame < 30; ++frame)
+        CHECK(tracker.next(frame * rate, whole).size() == 2);
     std::vector<Track> tracks;
-    for (int picture = 30; picture < 40; ++picture)
-        tracks = tracker.next(picture * rate, whole);
+    for (int frame = 30; frame < 40; ++frame)
+        tracks = tracker.next(frame * rate, whole);
     REQUIRE(tracks.size() == 1);
     CHECK(tracks[0].id <= 2);
     CHECK(tracks[0].box.h == doctest::Approx(95).epsilon(0.05));
 }
 
-TEST_CASE("tracker: skipped pictures are bridged by the time that really passed")
+TEST_CASE("tracker: skipped frames are bridged by the time that really passed")
 {
     const Walk walk{0, 50, 300, 0};
     for (const bool honest : {true, false}) {
@@ -199,11 +199,11 @@ TEST_CASE("tracker: skipped pictures are bridged by the time that really passed"
         const double time = 19 * rate + 0.8;  // 240 px further
         const auto tracks = tracker.next(honest ? time : 20 * rate, std::vector{walk.at(time)});
         CAPTURE(honest);
-        CHECK((tracks[0].id == 1 && tracks[0].missing == 0) == honest);  // a clock that counts pictures would lose it
+        CHECK((tracks[0].id == 1 && tracks[0].missing == 0) == honest);  // a clock that counts frames would lose it
     }
 }
 
-TEST_CASE("tracker: after a gap that is too long, and when time goes backwards, everything begins anew with new ids")
+TEST_CASE("tracker: after a gap that is too long, and when time goes back, all tracks restart with new ids")
 {
     const Walk walk{100, 50, 0, 0};
     for (const double later : {2.1, -0.1}) {
@@ -219,7 +219,7 @@ TEST_CASE("tracker: after a gap that is too long, and when time goes backwards, 
     CHECK(tracker.next(9 * rate + 1.9, std::vector{walk.at(0)})[0].id == 1);
 }
 
-TEST_CASE("tracker: two pictures of the same moment are no trouble")
+TEST_CASE("tracker: two frames of the same time are accepted")
 {
     Tracker tracker;
     const std::vector<Box> box{{10, 20, 30, 60}};
@@ -232,7 +232,7 @@ TEST_CASE("tracker: two pictures of the same moment are no trouble")
     }
 }
 
-TEST_CASE("tracker: beyond the gate a box is somebody else")
+TEST_CASE("tracker: a box beyond the gate is another object")
 {
     for (const double gate : {0.2, 0.7, 1.0}) {
         Tracker tracker;
@@ -249,13 +249,13 @@ TEST_CASE("tracker: there are never more tracks than may be, and the same boxes 
     const auto run = [] {
         Tracker tracker;
         std::vector<std::vector<Track>> all;
-        for (int picture = 0; picture < 6; ++picture) {
+        for (int frame = 0; frame < 6; ++frame) {
             std::vector<Box> boxes;
-            for (std::size_t i = 0; i < track::most_boxes; ++i)
+            for (std::size_t i = 0; i < track::max_boxes; ++i)
                 boxes.push_back(
-                    {static_cast<double>(i % 16) * 50 + (picture % 2) * 30, static_cast<double>(i / 16) * 50, 20, 20});
-            all.push_back(tracker.next(picture * rate, boxes));
-            CHECK(all.back().size() <= track::most_boxes);
+                    {static_cast<double>(i % 16) * 50 + (frame % 2) * 30, static_cast<double>(i / 16) * 50, 20, 20});
+            all.push_back(tracker.next(frame * rate, boxes));
+            CHECK(all.back().size() <= track::max_boxes);
         }
         return all;
     };
@@ -287,7 +287,7 @@ const Track& of_id(const std::vector<Track>& tracks, std::int64_t id)
 
 }  // namespace
 
-TEST_CASE("tracker: two that meet and turn back keep their ids by their looks, and lose them without")
+TEST_CASE("tracker: two objects that meet and turn back keep their ids by appearance, and lose them without")
 {
     const Walk right{0, 50, 160, 0}, left{400, 50, -160, 0};  // they meet at 1.25 s
     for (const double appearance : {0.4, 0.0}) {
@@ -295,10 +295,10 @@ TEST_CASE("tracker: two that meet and turn back keep their ids by their looks, a
         Tracker tracker;
         tracker.appearance = appearance;
         std::vector<Track> tracks;
-        for (int picture = 0; picture < 60; ++picture) {
-            const double time = picture * rate, turned = picture <= 31 ? time : 2.5 - time;
+        for (int frame = 0; frame < 60; ++frame) {
+            const double time = frame * rate, turned = frame <= 31 ? time : 2.5 - time;
             const Box a = right.at(turned), b = left.at(turned);
-            if (picture >= 28 && picture <= 34)  // one box for both
+            if (frame >= 28 && frame <= 34)  // one box for both
                 tracks = tracker.next(time, std::vector<Box>{{a.x, 50, b.x + 40 - a.x, 100}});
             else
                 tracks = tracker.next(time, std::vector{looking(a, red), looking(b, blue)});
@@ -308,21 +308,21 @@ TEST_CASE("tracker: two that meet and turn back keep their ids by their looks, a
     }
 }
 
-TEST_CASE("tracker: a weak box keeps a track going and begins none; without a score a box is strong")
+TEST_CASE("tracker: a weak box extends a track and starts none; a box without a score is strong")
 {
     const Walk walk{0, 50, 100, 0};
     for (const double score : {0.4, 0.6}) {
         CAPTURE(score);
         Tracker tracker;
-        for (int picture = 0; picture < 5; ++picture)
-            CHECK(tracker.next(picture * rate, std::vector{scored(walk.at(picture * rate), score)}).empty()
+        for (int frame = 0; frame < 5; ++frame)
+            CHECK(tracker.next(frame * rate, std::vector{scored(walk.at(frame * rate), score)}).empty()
                   == (score < tracker.strong));
     }
     Tracker tracker;
     follow(tracker, {walk}, 0, 10);
     std::vector<Track> tracks;
-    for (int picture = 10; picture < 60; ++picture)
-        tracks = tracker.next(picture * rate, std::vector{scored(walk.at(picture * rate), 0.1)});
+    for (int frame = 10; frame < 60; ++frame)
+        tracks = tracker.next(frame * rate, std::vector{scored(walk.at(frame * rate), 0.1)});
     REQUIRE(tracks.size() == 1);
     CHECK(tracks[0].hits == 60);
     CHECK(tracks[0].id == 1);
@@ -338,33 +338,33 @@ TEST_CASE("tracker: a strong box is taken before a weak one that is nearer")
     CHECK(tracks[0].box.x > 101);
 }
 
-TEST_CASE("tracker: a track ends when what is in its place looks like the wall, and that gets a track of its own")
+TEST_CASE("tracker: a track ends when its box looks like the wall, which gets its own track")
 {
     Tracker tracker;
     const Box place{100, 50, 40, 100};
-    for (int picture = 0; picture < 10; ++picture)
-        CHECK(tracker.next(picture * rate, std::vector{looking(place, picture % 2 ? red : reddish)}).at(0).id == 1);
+    for (int frame = 0; frame < 10; ++frame)
+        CHECK(tracker.next(frame * rate, std::vector{looking(place, frame % 2 ? red : reddish)}).at(0).id == 1);
     std::vector<Track> tracks;
-    for (int picture = 10; picture < 13; ++picture)
-        tracks = tracker.next(picture * rate, std::vector{looking(place, wall)});
+    for (int frame = 10; frame < 13; ++frame)
+        tracks = tracker.next(frame * rate, std::vector{looking(place, wall)});
     REQUIRE(tracks.size() == 1);
     CHECK(tracks[0].id == 2);
     Tracker blind;  // motion alone does not notice
     blind.appearance = 0;
-    for (int picture = 0; picture < 13; ++picture)
-        tracks = blind.next(picture * rate, std::vector{looking(place, picture < 10 ? red : wall)});
+    for (int frame = 0; frame < 13; ++frame)
+        tracks = blind.next(frame * rate, std::vector{looking(place, frame < 10 ? red : wall)});
     CHECK(tracks.at(0).id == 1);
 }
 
-TEST_CASE("tracker: who was lost is known again further away by the looks, and only by them")
+TEST_CASE("tracker: a lost object is found further away by its appearance only")
 {
     const Walk walk{0, 50, 100, 0};
     for (const auto& [look, id] : {std::pair(red, 1), std::pair(blue, 2)}) {
         Tracker tracker;
-        for (int picture = 0; picture < 10; ++picture)
-            static_cast<void>(tracker.next(picture * rate, std::vector{looking(walk.at(picture * rate), red)}));
-        for (int picture = 10; picture < 20; ++picture)
-            static_cast<void>(tracker.next(picture * rate, {}));
+        for (int frame = 0; frame < 10; ++frame)
+            static_cast<void>(tracker.next(frame * rate, std::vector{looking(walk.at(frame * rate), red)}));
+        for (int frame = 10; frame < 20; ++frame)
+            static_cast<void>(tracker.next(frame * rate, {}));
         Box back = walk.at(20 * rate);
         back.x += 110;  // the gate ends at 75 px
         const auto tracks = tracker.next(20 * rate, std::vector{looking(back, look)});

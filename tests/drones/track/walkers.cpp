@@ -24,7 +24,7 @@ SceneSettings with_walkers(int walkers, cv::Size size = {640, 480})
     return settings;
 }
 
-/// 255 where two pictures differ clearly.
+/// 255 where two frames differ clearly.
 cv::Mat differing(const cv::Mat& a, const cv::Mat& b)
 {
     cv::Mat difference, channels[3];
@@ -40,9 +40,9 @@ TEST_CASE("walkers: what differs from the empty scene lies in the boxes of the w
 {
     for (const cv::Size size : {cv::Size(640, 480), cv::Size(320, 240)}) {
         const Scene scene(with_walkers(4, size)), empty(with_walkers(0, size));
-        const cv::Mat wall = empty.picture(0).image;
+        const cv::Mat wall = empty.frame(0).image;
         for (int index = 0; index < 700; index += 23) {
-            const auto [image, truth, hands] = scene.picture(index);
+            const auto [image, truth, hands] = scene.frame(index);
             cv::Mat drawn = differing(image, wall);
             CAPTURE(index);
             for (const auto& [kind, id, box] : truth) {
@@ -50,7 +50,7 @@ TEST_CASE("walkers: what differs from the empty scene lies in the boxes of the w
                 CHECK((box & cv::Rect2d({}, cv::Size2d(size))) == box);
                 CHECK(cv::countNonZero(drawn(cv::Rect(box))) > 0.25 * box.area());
             }
-            // Those that are hardly in the picture yet are not told; everything else is, but for swinging hands and
+            // Those that are hardly in the image yet are not told; everything else is, but for swinging hands and
             // feet.
             drawn.colRange(0, size.width / 10).setTo(0);
             drawn.colRange(size.width - size.width / 10, size.width).setTo(0);
@@ -62,12 +62,12 @@ TEST_CASE("walkers: what differs from the empty scene lies in the boxes of the w
     }
 }
 
-TEST_CASE("walkers: the first second is empty; then everybody crosses once, evenly, with an id of their own")
+TEST_CASE("walkers: the first second is empty; then each walker crosses once, evenly, with its own id")
 {
     const Scene scene(with_walkers(4));
-    std::map<int, std::vector<std::pair<int, double>>> ways;  // id to picture and middle
+    std::map<int, std::vector<std::pair<int, double>>> ways;  // id to image and middle
     for (int index = 0; index < 1500; ++index) {
-        const auto truth = scene.picture(index).truth;
+        const auto truth = scene.frame(index).truth;
         CHECK((index >= 30 || truth.empty()));
         std::set<int> ids;
         for (const auto& [kind, id, box] : truth) {
@@ -93,13 +93,13 @@ TEST_CASE("walkers: the same arguments give the same people, another seed gives 
 {
     SceneSettings other = with_walkers(3);
     other.seed = 2;
-    CHECK(Scene(with_walkers(3)).picture(200).truth == Scene(with_walkers(3)).picture(200).truth);
-    CHECK_FALSE(Scene(with_walkers(3)).picture(200).truth == Scene(other).picture(200).truth);
+    CHECK(Scene(with_walkers(3)).frame(200).truth == Scene(with_walkers(3)).frame(200).truth);
+    CHECK_FALSE(Scene(with_walkers(3)).frame(200).truth == Scene(other).frame(200).truth);
     CHECK_THROWS(Scene(with_walkers(5)));
     CHECK_THROWS(Scene(with_walkers(-1)));
 }
 
-TEST_CASE("walkers: a walker is told while half of it is in the picture")
+TEST_CASE("walkers: a walker is in the ground truth while half of it is in the image")
 {
     const auto part = [](double middle) { return camera::visible_box({middle, 100, 200, 0}, {640, 480}); };
     CHECK_FALSE(part(-1));

@@ -15,7 +15,7 @@ namespace {
 
 class Page {
 public:
-    Page() : exchange(view::Picture::of_notice("no image yet")) {}
+    Page() : exchange(view::Image::of_notice("no image yet")) {}
     view::Answer ask(view::Request request, view::Browsers browsers = {0, 8}) const
     {
         return answer_to(request, exchange, bind_, pass_, browsers);
@@ -27,9 +27,9 @@ public:
     void put()
     {
         view::Origin origin{"face.annotated", "camera", 7, {64, 48}, std::chrono::system_clock::now(), 29.84};
-        exchange.put(std::make_shared<const view::Picture>(
-            origin, view::Picture::Content{[] { return cv::Mat(48, 64, CV_8UC1, cv::Scalar::all(1)); }, nullptr},
-            view::Picture::Look{}));
+        exchange.put(std::make_shared<const view::Image>(
+            origin, view::Image::Content{[] { return cv::Mat(48, 64, CV_8UC1, cv::Scalar::all(1)); }, nullptr},
+            view::Image::Look{}));
     }
     view::Exchange exchange;
 
@@ -72,7 +72,7 @@ TEST_CASE("answer: the page and all that it names are there, and it names nothin
         CHECK(answer.body.find("//") == std::string::npos);  // neither a URL nor a comment
 }
 
-TEST_CASE("answer: another method, path or host gets an error that says what to do")
+TEST_CASE("answer: another method, path or host gets an error with advice")
 {
     const Page page;
     for (const char* method : {"POST", "HEAD", "PUT", "OPTIONS", "get", ""})
@@ -84,17 +84,17 @@ TEST_CASE("answer: another method, path or host gets an error that says what to 
     CHECK(page.ask({"GET", "/", std::nullopt}).code == 400);
 }
 
-TEST_CASE("answer: the snapshot is a JPEG of the newest picture, as the server has it; 503 before there is one")
+TEST_CASE("answer: the snapshot is a JPEG of the newest image, as the server has it; 503 before there is one")
 {
     Page page;
     CHECK(page.get("/picture.jpg").code == 503);
     page.put();
     const auto answer = page.get("/picture.jpg");
     CHECK(answer.type == "image/jpeg");
-    CHECK(answer.what == view::Answer::picture);
+    CHECK(answer.what == view::Answer::image);
 }
 
-TEST_CASE("answer: the page gets pictures without captions, others get them as they are set")
+TEST_CASE("answer: the page gets images without captions, others get them as they are set")
 {
     Page page;
     page.put();
@@ -112,7 +112,7 @@ TEST_CASE("answer: no more streams than are allowed")
     CHECK(page.get("/", {8, 8}).what == view::Answer::text);
 }
 
-TEST_CASE("status: says what is known, null for the rest, and no rate when nothing comes any more")
+TEST_CASE("status: unknown values are null, and the rate is 0 when images stop")
 {
     Page page;
     const json before = json::parse(page.get("/status.json", {2, 8}).body);
@@ -121,7 +121,7 @@ TEST_CASE("status: says what is known, null for the rest, and no rate when nothi
     CHECK(before.at("browsers") == 2);
     page.put();
     const auto newest = page.exchange.newest();
-    const auto now = view::status_of(newest, 1, newest.since + 150ms, *newest.picture->origin().captured + 200ms);
+    const auto now = view::status_of(newest, 1, newest.since + 150ms, *newest.image->origin().captured + 200ms);
     CHECK(now
           == json{{"sender", "face.annotated"},
                   {"source", "camera"},
@@ -134,8 +134,8 @@ TEST_CASE("status: says what is known, null for the rest, and no rate when nothi
                   {"since_ms", 150},
                   {"browsers", 1}});
     CHECK(view::status_of(newest, 1, newest.since + 2s).at("rate") == 0);
-    auto slow = std::make_shared<const view::Picture>(view::Origin{.sender = "a.b", .source = "a", .rate = 0.2},
-                                                      view::Picture::Content{}, view::Picture::Look{});
+    auto slow = std::make_shared<const view::Image>(view::Origin{.sender = "a.b", .source = "a", .rate = 0.2},
+                                                    view::Image::Content{}, view::Image::Look{});
     const view::Exchange::Newest one_in_five_seconds{slow, 2, newest.since};
     CHECK(view::status_of(one_in_five_seconds, 1, newest.since + 9s).at("rate") == 0.2);
     CHECK(view::status_of(one_in_five_seconds, 1, newest.since + 10s).at("rate") == 0);
@@ -143,7 +143,7 @@ TEST_CASE("status: says what is known, null for the rest, and no rate when nothi
     CHECK(keys(example()) == keys(now));  // the drone's page shows the same fields
 }
 
-TEST_CASE("answer: a page without a token is for nobody, and each token is drawn anew")
+TEST_CASE("answer: no page without a token, and each token is random")
 {
     const view::Pass closed("", "hive-view-8080");
     const view::Request request{.method = "GET", .path = "/", .host = "127.0.0.1"};

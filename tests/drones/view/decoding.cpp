@@ -1,4 +1,4 @@
-// The HTTP server of the view drone while pictures take long to decode.
+// The HTTP server of the view drone while images take long to decode.
 #include "stage.hpp"
 
 #include <doctest/doctest.h>
@@ -14,10 +14,10 @@ using stage::next_width, stage::Stage;
 
 namespace {
 
-/// Longer than any answer takes that does not wait for a picture.
+/// Longer than any answer takes that does not wait for an image.
 constexpr Milliseconds hang(60'000);
 
-/// Pictures whose decoding takes until they are let go.
+/// Images whose decoding lasts until they are released.
 class Stuck {
 public:
     explicit Stuck(Stage& stage) : stage_(stage) {}
@@ -51,7 +51,7 @@ private:
 
 }  // namespace
 
-TEST_CASE("view server: while a picture of 40 Mpixel is decoded for one browser the others are answered at once")
+TEST_CASE("view server: while an image of 40 Mpixel is decoded for one browser the others are answered at once")
 {
     const cv::Size size(8000, 5000);
     std::vector<unsigned char> png;
@@ -67,9 +67,9 @@ TEST_CASE("view server: while a picture of 40 Mpixel is decoded for one browser 
     Client looking(stage.port());
     stage.put_pixels([&, answered = all_answered.get_future().share()] {
         begun = true;
-        auto picture = cv::imdecode(png, cv::IMREAD_COLOR);
-        answered.wait_for(hang);  // an answer that waited for this picture would not come before its reader gives up
-        return picture;
+        auto image = cv::imdecode(png, cv::IMREAD_COLOR);
+        answered.wait_for(hang);  // an answer that waited for this image would not come before its reader gives up
+        return image;
     });
     looking.ask("/picture.jpg");
     REQUIRE(eventually([&] { return begun.load(); }, Milliseconds(5000)));
@@ -78,10 +78,10 @@ TEST_CASE("view server: while a picture of 40 Mpixel is decoded for one browser 
             CHECK(get(stage.port(), path).code == 200);
     CHECK_FALSE(looking.more_within(Milliseconds(1)));
     all_answered.set_value();
-    CHECK(looking.reply(hang).picture().size() == size);
+    CHECK(looking.reply(hang).image().size() == size);
 }
 
-TEST_CASE("view server: of the pictures that come while one is decoded only the newest is decoded as well")
+TEST_CASE("view server: of the images that arrive during decoding only the newest is decoded")
 {
     Stage stage;
     Client streaming(stage.port()), looking(stage.port());
@@ -95,13 +95,13 @@ TEST_CASE("view server: of the pictures that come while one is decoded only the 
     }
     looking.ask("/picture.jpg");
     stuck.let_go();
-    CHECK(looking.reply().picture().cols == 60);
+    CHECK(looking.reply().image().cols == 60);
     const int first = next_width(streaming);  // 40, unless both were ready before it had its turn
     CHECK((first == 40 ? next_width(streaming) : first) == 60);
     CHECK(stuck.begun() == 2);
 }
 
-TEST_CASE("view server: who waits too long for a picture is told so, and who asks again gets it when it is there")
+TEST_CASE("view server: a request that waits too long gets an error, and a later one the image")
 {
     Stage stage({.preparing = Milliseconds(300)});
     Stuck stuck(stage);
@@ -118,11 +118,11 @@ TEST_CASE("view server: who waits too long for a picture is told so, and who ask
     stuck.let_go();
     CHECK(eventually([&] {
         const auto reply = get(stage.port(), "/picture.jpg");
-        return reply.code == 200 && reply.picture().cols == 40;
+        return reply.code == 200 && reply.image().cols == 40;
     }));
 }
 
-TEST_CASE("view server: one that goes while it waits for a picture is forgotten, and another takes its place")
+TEST_CASE("view server: a viewer that disconnects while waiting frees its place")
 {
     Stage stage({.connections = 1});
     Stuck stuck(stage);
@@ -137,7 +137,7 @@ TEST_CASE("view server: one that goes while it waits for a picture is forgotten,
     CHECK(eventually([&] { return get(stage.port(), "/picture.jpg").code == 200; }, Milliseconds(5000)));
 }
 
-TEST_CASE("view server: ends while a picture is being decoded, and whoever waits for that is let go")
+TEST_CASE("view server: stops while an image is being decoded, and releases the waiting viewers")
 {
     auto stage = std::make_unique<Stage>();
     Stuck stuck(*stage);
@@ -148,7 +148,7 @@ TEST_CASE("view server: ends while a picture is being decoded, and whoever waits
     REQUIRE(eventually([&] { return stuck.begun() == 1; }, Milliseconds(5000)));
     const auto ended = std::async(std::launch::async, [&] { stage.reset(); });
     for (auto* client : {&looking, &streaming})
-        CHECK(client->closed_within(hang / 2));  // before the picture is ready
+        CHECK(client->closed_within(hang / 2));  // before the image is ready
     stuck.let_go();
     CHECK(ended.wait_for(hang) == std::future_status::ready);
 }

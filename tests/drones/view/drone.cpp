@@ -39,15 +39,15 @@ bool shows(int port, const std::string& token = http::token)
 /// A JPEG file that no encoder of ours makes again.
 std::string jpeg_file(const std::filesystem::path& path)
 {
-    cv::Mat picture(48, 64, CV_8UC3);
-    cv::randu(picture, 0, 255);
-    cv::imwrite(path, picture, {cv::IMWRITE_JPEG_QUALITY, 37, cv::IMWRITE_JPEG_OPTIMIZE, 1});
+    cv::Mat image(48, 64, CV_8UC3);
+    cv::randu(image, 0, 255);
+    cv::imwrite(path, image, {cv::IMWRITE_JPEG_QUALITY, 37, cv::IMWRITE_JPEG_OPTIMIZE, 1});
     return text_of(path);
 }
 
 }  // namespace
 
-TEST_CASE("view: a browser gets the pictures of a camera, and who sent them")
+TEST_CASE("view: a browser gets the images of a camera, with their sender")
 {
     const Swarm swarm;
     const int port = free_port();
@@ -57,9 +57,9 @@ TEST_CASE("view: a browser gets the pictures of a camera, and who sent them")
     application.connect({"camera", ""}, {"view", ""});
     Client client(port);
     client.ask("/stream.mjpg");
-    int pictures = 0;
-    for (int width = 0, height = 0; pictures < 5; pictures += height == 480) {
-        const auto jpeg = client.next_picture();
+    int images = 0;
+    for (int width = 0, height = 0; images < 5; images += height == 480) {
+        const auto jpeg = client.next_image();
         REQUIRE(jpeg);
         width = http::decoded(*jpeg).cols;
         height = http::decoded(*jpeg).rows;
@@ -87,10 +87,10 @@ TEST_CASE("view: a JPEG goes to the browser byte for byte, unless it is to be wr
     CHECK(get(port, "/picture.jpg").body == file);
     application.set("view", {{"overlay", true}});
     CHECK(eventually([&] { return get(port, "/picture.jpg").body != file; }, Milliseconds(5000)));
-    CHECK(get(port, "/picture.jpg").picture().cols == 64);
+    CHECK(get(port, "/picture.jpg").image().cols == 64);
 }
 
-TEST_CASE("view: a picture that turns out damaged when it is looked at is an exception and a notice; the next is shown")
+TEST_CASE("view: an image found damaged on viewing is an exception and a notice; the next is shown")
 {
     const Swarm swarm;
     const int port = free_port();
@@ -105,15 +105,15 @@ TEST_CASE("view: a picture that turns out damaged when it is looked at is an exc
     };
     put(good.substr(0, good.size() * 3 / 4) + "\xFF\xD9");  // its headers are sound, its pixels end early
     REQUIRE(eventually([&] { return status_at(port).at("number") == 1; }));
-    CHECK(eventually([&] { return get(port, "/picture.jpg").picture().cols == 640; }));  // the notice
+    CHECK(eventually([&] { return get(port, "/picture.jpg").image().cols == 640; }));  // the notice
     const auto exception = exceptions->next(patient(Milliseconds(5000)));
     REQUIRE(exception);
     CHECK(exception->header.at("code") == "malformed");
     put(good);
-    CHECK(eventually([&] { return get(port, "/picture.jpg").picture().cols == 64; }, Milliseconds(5000)));
+    CHECK(eventually([&] { return get(port, "/picture.jpg").image().cols == 64; }, Milliseconds(5000)));
 }
 
-TEST_CASE("view: the text on a picture that stays is written anew, for the snapshot and the stream")
+TEST_CASE("view: the text on a still image is updated, in the snapshot and the stream")
 {
     const Swarm swarm;
     const int port = free_port();
@@ -123,7 +123,7 @@ TEST_CASE("view: the text on a picture that stays is written anew, for the snaps
     application.connect({"camera", ""}, {"view", ""});
     Client client(port);
     client.ask("/stream.mjpg");
-    REQUIRE(client.next_picture());
+    REQUIRE(client.next_image());
     REQUIRE(shows(port));
     swarm.hivectl_done({"halt", "camera"});
     REQUIRE(eventually([&] { return status_at(port).at("rate") == 0; }, Milliseconds(10'000)));
@@ -132,13 +132,13 @@ TEST_CASE("view: the text on a picture that stays is written anew, for the snaps
     REQUIRE(eventually([&] { return snapshots.insert(get(port, "/picture.jpg").body), snapshots.size() >= 3; },
                        Milliseconds(8000)));
     CHECK(snapshots.size() <= 4);
-    // By turns: a picture of the stream that nobody reads may be left out, as of any stream.
+    // By turns: an image of the stream that no reader requests may be skipped, as in any stream.
     for (const auto end = Clock::now() + Milliseconds(60'000); streamed.size() < 3 && Clock::now() < end;) {
-        const auto picture = client.next_picture();
-        REQUIRE(picture);
+        const auto image = client.next_image();
+        REQUIRE(image);
         snapshots.insert(get(port, "/picture.jpg").body);
-        if (snapshots.contains(*picture))
-            streamed.insert(*picture);
+        if (snapshots.contains(*image))
+            streamed.insert(*image);
     }
     CHECK(streamed.size() == 3);
     CHECK(status_at(port).at("number") == number);
@@ -146,7 +146,7 @@ TEST_CASE("view: the text on a picture that stays is written anew, for the snaps
     CHECK(eventually([&] { return status_at(port).at("rate") > 0; }, Milliseconds(10'000)));
 }
 
-TEST_CASE("view: with hold the next picture of a source on demand waits; a set lets it go")
+TEST_CASE("view: hold delays the next image of a source on demand; a set releases it")
 {
     const Swarm swarm;
     const int port = free_port();
@@ -194,7 +194,7 @@ TEST_CASE("hivectl view: prints the address, shows the one output, and leaves no
     CHECK(token.find_first_not_of("0123456789abcdef") == std::string::npos);
     CHECK(get(port, "/picture.jpg").code == 403);
     REQUIRE(shows(port, token));
-    CHECK(get(port, "/picture.jpg", token).picture().rows == 480);
+    CHECK(get(port, "/picture.jpg", token).image().rows == 480);
     const auto edges = hive::Json::parse(swarm.hivectl_done({"connections", "--json"}));
     REQUIRE(edges.size() == 1);
     CHECK(edges[0].at("from") == "camera.image");
@@ -238,7 +238,7 @@ TEST_CASE("hivectl view: SIGTERM is exit code 143, and a signal that comes twice
     }
 }
 
-TEST_CASE("hivectl view: the drone ends with the command, even if that is killed, and has forgotten what it was told")
+TEST_CASE("hivectl view: the drone stops with the command, even if that is killed, and saves no state")
 {
     const Swarm swarm;
     const int port = free_port();
@@ -251,7 +251,7 @@ TEST_CASE("hivectl view: the drone ends with the command, even if that is killed
     CHECK_FALSE(std::filesystem::exists(swarm.home() / "viewer.state"));
 }
 
-TEST_CASE("hivectl view: several that begin at once show each in a drone of its own")
+TEST_CASE("hivectl view: several started at once each have their own drone")
 {
     const Swarm swarm;
     const auto camera = swarm.drone("camera", "camera");
@@ -270,7 +270,7 @@ TEST_CASE("hivectl view: several that begin at once show each in a drone of its 
     CHECK(swarm.application().drones() == std::vector<std::string>{"camera"});
 }
 
-TEST_CASE("hivectl view: without a display it names --http; a drone that sends no pictures is told so; nothing is left "
+TEST_CASE("hivectl view: without a display it names --http; a drone that sends no images is told so; nothing is left "
           "running")
 {
     const Swarm swarm;

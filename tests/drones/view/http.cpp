@@ -30,7 +30,7 @@ cv::Mat decoded(const std::string& jpeg)
 {
     return cv::imdecode(std::vector<unsigned char>(jpeg.begin(), jpeg.end()), cv::IMREAD_UNCHANGED);
 }
-cv::Mat Reply::picture() const { return decoded(body); }
+cv::Mat Reply::image() const { return decoded(body); }
 
 Client::Client(int port, int receive_bytes) : port_(port), socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0))
 {
@@ -89,7 +89,7 @@ void Client::unchunk()
     }
 }
 
-std::optional<std::string> Client::next_picture(Milliseconds patience)
+std::optional<std::string> Client::next_image(Milliseconds patience)
 {
     const std::string boundary = "--picture\r\n", length = "Content-Length: ";
     const auto until = Clock::now() + patience;
@@ -103,9 +103,9 @@ std::optional<std::string> Client::next_picture(Milliseconds patience)
         const std::size_t size = std::stoul(body_.substr(body_.find(length) + length.size()));
         if (body_.size() < head + 4 + size + 2 + boundary.size())
             continue;
-        const std::string picture = body_.substr(head + 4, size);
+        const std::string image = body_.substr(head + 4, size);
         body_.erase(0, head + 4 + size + 2);
-        return picture;
+        return image;
     } while (fill(until));
     return std::nullopt;
 }

@@ -18,13 +18,13 @@ struct Reply {
     int code = 0;  ///< 0: none came
     std::string head, body;
     [[nodiscard]] nlohmann::json json() const { return nlohmann::json::parse(body); }
-    [[nodiscard]] cv::Mat picture() const;
+    [[nodiscard]] cv::Mat image() const;
 };
 
 /// A connection to a port of this machine. Every wait has an end.
 class Client {
 public:
-    /// @param receive_bytes  room for what is not read; 0: as the system has it
+    /// @param receive_bytes  receive buffer; 0: the system's default
     explicit Client(int port, int receive_bytes = 0);
     ~Client();
     Client(const Client&) = delete;
@@ -32,12 +32,12 @@ public:
 
     /// False when the other end has closed.
     bool send(const std::string& bytes);
-    /// Sends a request that says the token of the tests.
+    /// Sends a request with the token of the tests.
     bool ask(const std::string& path);
     /// Reads up to the end of the connection, or to `patience`.
     Reply reply(Milliseconds patience = Milliseconds(40'000));
-    /// The next picture of a stream; nothing when none comes in time.
-    std::optional<std::string> next_picture(Milliseconds patience = Milliseconds(40'000));
+    /// The next image of a stream; nothing when none comes in time.
+    std::optional<std::string> next_image(Milliseconds patience = Milliseconds(40'000));
     /// Does anything more come within the time?
     bool more_within(Milliseconds patience);
     /// Does the other end close within the time?
@@ -49,12 +49,12 @@ private:
 
     int port_, socket_ = -1;
     bool ended_ = false, in_body_ = false;
-    std::string raw_, body_;  ///< what came and is not dealt with; what of it is a stream's body
+    std::string raw_, body_;  ///< received and not processed yet; the body of a stream
 };
 
-/// What the servers of the tests want to hear.
+/// The token of the servers in the tests.
 inline const std::string token = "0123456789abcdef";
-/// The line of a request that says a token, as a browser does that was given a cookie.
+/// The line of a request with a token, as a browser sends its cookie.
 std::string cookie(int port, const std::string& said = token);
 /// One request that a browser might send.
 Reply get(int port, const std::string& path, const std::string& said = token);

@@ -12,7 +12,7 @@ const std::chrono::system_clock::time_point noon{1'700'000'000s};
 
 }  // namespace
 
-TEST_CASE("overlay: the caption says sender, source, rate and age, and leaves out what is not known")
+TEST_CASE("overlay: the caption has sender, source, rate and age, and omits unknown values")
 {
     view::Origin origin{"face.annotated", "camera", 7, {640, 480}, noon, 29.84};
     CHECK(view::caption(origin, noon + 12ms) == "face.annotated from camera  29.8 fps  12 ms");
@@ -27,13 +27,13 @@ TEST_CASE("overlay: the caption says sender, source, rate and age, and leaves ou
     CHECK(view::caption(origin, noon) == "camera.image");
 }
 
-TEST_CASE("overlay: the caption covers a strip at the lower edge alone, and the picture itself is not changed")
+TEST_CASE("overlay: the caption covers a strip at the lower edge alone, and the image itself is not changed")
 {
     for (const int type : {CV_8UC1, CV_8UC3}) {
-        const cv::Mat picture(480, 640, type, cv::Scalar::all(120)), before = picture.clone();
-        const cv::Mat drawn = view::with_caption(picture, "camera.image  30.0 fps");
-        CHECK(cv::norm(picture, before) == 0);
-        CHECK(drawn.size() == picture.size());
+        const cv::Mat image(480, 640, type, cv::Scalar::all(120)), before = image.clone();
+        const cv::Mat drawn = view::with_caption(image, "camera.image  30.0 fps");
+        CHECK(cv::norm(image, before) == 0);
+        CHECK(drawn.size() == image.size());
         REQUIRE(drawn.type() == CV_8UC3);
         const cv::Mat upper = drawn.rowRange(0, 430), lower = drawn.rowRange(430, 480);
         CHECK(cv::norm(upper, cv::Mat(upper.size(), CV_8UC3, cv::Scalar::all(120)), cv::NORM_INF) == 0);
@@ -59,7 +59,7 @@ TEST_CASE("overlay: the letters shrink until the text fits the width")
     CHECK(right_edge(400) < 399);
 }
 
-TEST_CASE("overlay: pictures of every size can be captioned")
+TEST_CASE("overlay: images of every size can be captioned")
 {
     for (const cv::Size size : {cv::Size(1, 1), cv::Size(3, 200), cv::Size(200, 3), cv::Size(4000, 2500)})
         CHECK(view::with_caption(cv::Mat(size, CV_8UC3, cv::Scalar::all(9)), "camera.image  30.0 fps").size() == size);

@@ -1,4 +1,4 @@
-// The window and the page as somebody sees them: only where Xvfb and chromium are installed.
+// The window and the page on a screen, if Xvfb and chromium are installed.
 #include "free_port.hpp"
 #include "http.hpp"
 
@@ -115,7 +115,7 @@ private:
 
 }  // namespace
 
-TEST_CASE("view window: shows the picture in its size, q or closing it ends the drone, and it can be hidden and shown "
+TEST_CASE("view window: shows the image in its size, q or closing it ends the drone, and it can be hidden and shown "
           "again (needs Xvfb)")
 {
     if (!installed("Xvfb"))
@@ -141,7 +141,7 @@ TEST_CASE("view window: shows the picture in its size, q or closing it ends the 
     }
 }
 
-TEST_CASE("view window: a picture that is larger than the screen is shown smaller, in its shape (needs Xvfb)")
+TEST_CASE("view window: an image larger than the screen is scaled with its aspect ratio (needs Xvfb)")
 {
     if (!installed("Xvfb"))
         return;
@@ -156,7 +156,7 @@ TEST_CASE("view window: a picture that is larger than the screen is shown smalle
     CHECK(eventually([&] { return screen.look(window()).first == cv::Size(760, 427); }, Milliseconds(5000)));
 }
 
-TEST_CASE("view window: the text on a picture that stays is written anew (needs Xvfb)")
+TEST_CASE("view window: the text on a still image is updated (needs Xvfb)")
 {
     if (!installed("Xvfb"))
         return;
@@ -169,12 +169,12 @@ TEST_CASE("view window: the text on a picture that stays is written anew (needs 
     const auto window = [&] { return screen.find("camera.image - Hive view"); };
     REQUIRE(eventually([&] { return window() != 0; }, Milliseconds(20'000)));
     swarm.hivectl_done({"halt", "camera"});
-    std::set<double> looks;  // a few are of pictures that were on their way
+    std::set<double> looks;  // a few are of images that were on their way
     CHECK(eventually([&] { return looks.insert(screen.look(window()).second), looks.size() >= 6; },
                      Milliseconds(12'000)));
 }
 
-TEST_CASE("hivectl view: ends well when its window is closed (needs Xvfb)")
+TEST_CASE("hivectl view: exits with 0 when its window is closed (needs Xvfb)")
 {
     if (!installed("Xvfb"))
         return;
@@ -190,7 +190,7 @@ TEST_CASE("hivectl view: ends well when its window is closed (needs Xvfb)")
     CHECK(swarm.application().drones() == std::vector<std::string>{"camera"});
 }
 
-TEST_CASE("view page: a browser shows the picture and the numbers (needs chromium)")
+TEST_CASE("view page: a browser shows the image and the numbers (needs chromium)")
 {
     if (!installed("chromium"))
         return;
@@ -211,7 +211,7 @@ TEST_CASE("view page: a browser shows the picture and the numbers (needs chromiu
     REQUIRE(page.size() == cv::Size(800, 720));
     const cv::Scalar middle = cv::mean(page.rowRange(250, 450));
     CHECK(middle[2] > middle[0] + 20);                     // bricks are red, the page around them is not
-    const cv::Mat light = page(cv::Rect(14, 12, 16, 22));  // green: pictures come
+    const cv::Mat light = page(cv::Rect(14, 12, 16, 22));  // green: images come
     cv::Mat green;
     cv::inRange(light, cv::Scalar(90, 180, 30), cv::Scalar(170, 255, 100), green);
     CHECK(cv::countNonZero(green) > 20);

@@ -9,7 +9,7 @@ using hive::test::eventually, hive::test::Milliseconds;
 using http::Client, http::get;
 using stage::next_width, stage::notice_width, stage::Stage;
 
-TEST_CASE("view server: page, snapshot and status over HTTP; what it says may not be used by other pages")
+TEST_CASE("view server: page, snapshot and status over HTTP; other pages may not use them")
 {
     Stage stage;
     CHECK(get(stage.port(), "/picture.jpg").code == 503);
@@ -20,11 +20,11 @@ TEST_CASE("view server: page, snapshot and status over HTTP; what it says may no
     for (const char* header : {"Content-Security-Policy: default-src 'self'", "X-Content-Type-Options: nosniff",
                                "Cross-Origin-Resource-Policy: same-origin"})
         CHECK(page.head.find(header) != std::string::npos);
-    CHECK(get(stage.port(), "/picture.jpg").picture().cols == 50);
+    CHECK(get(stage.port(), "/picture.jpg").image().cols == 50);
     CHECK(get(stage.port(), "/status.json").json().at("number") == 1);
 }
 
-TEST_CASE("view server: a stream gives each picture to a reader that keeps up, and all can be decoded")
+TEST_CASE("view server: a stream sends each image to a fast reader, and all can be decoded")
 {
     Stage stage;
     Client client(stage.port());
@@ -36,7 +36,7 @@ TEST_CASE("view server: a stream gives each picture to a reader that keeps up, a
     }
 }
 
-TEST_CASE("view server: nothing is decoded while nobody looks, and each picture once for all who do")
+TEST_CASE("view server: nothing is decoded without viewers, and each image once for all of them")
 {
     Stage stage;
     for (int width = 40; width < 60; ++width)
@@ -51,7 +51,7 @@ TEST_CASE("view server: nothing is decoded while nobody looks, and each picture 
             stage.put(width);
         REQUIRE(next_width(one) == width);
         REQUIRE(next_width(two) == width);
-        CHECK(get(stage.port(), "/picture.jpg").picture().cols == width);
+        CHECK(get(stage.port(), "/picture.jpg").image().cols == width);
     }
     CHECK(stage.decoded == 21);
 }
@@ -106,7 +106,7 @@ TEST_CASE("view server: no more streams than are allowed, and the page is still 
     CHECK(get(stage.port(), "/").code == 200);
 }
 
-TEST_CASE("view server: bad requests get an error, and nobody else notices")
+TEST_CASE("view server: bad requests get an error and affect no other client")
 {
     Stage stage;
     Client reading(stage.port());
@@ -135,7 +135,7 @@ TEST_CASE("view server: bad requests get an error, and nobody else notices")
     }
 }
 
-TEST_CASE("view server: a request that is too long, is no HTTP, or never becomes complete is ended")
+TEST_CASE("view server: a request that is too long, invalid or never complete is closed")
 {
     Stage stage({.asking = Milliseconds(300)});
     Client reading(stage.port());
@@ -157,7 +157,7 @@ TEST_CASE("view server: a request that is too long, is no HTTP, or never becomes
                      Milliseconds(5000)));  // the last one may have been repeated meanwhile
 }
 
-TEST_CASE("view server: strangers who ask for nothing take no place of those who may look")
+TEST_CASE("view server: idle unauthenticated clients take no capacity from viewers")
 {
     Stage stage({.connections = 4, .strangers = 4, .asking = Milliseconds(60'000)});
     Client reading(stage.port());
@@ -174,7 +174,7 @@ TEST_CASE("view server: strangers who ask for nothing take no place of those who
     CHECK(eventually([&] { return next_width(reading) == 77; }, Milliseconds(5000)));  // a repeated one may come before
 }
 
-TEST_CASE("view server: more connections than it takes are told so, until one ends")
+TEST_CASE("view server: connections beyond the limit get an error, until one closes")
 {
     Stage stage({.connections = 2, .streams = 2});
     Client one(stage.port());
@@ -186,11 +186,11 @@ TEST_CASE("view server: more connections than it takes are told so, until one en
         }
         CHECK(get(stage.port(), "/").code == 503);
     }
-    stage.put(77);  // which finds out that nobody is there any more
+    stage.put(77);  // which detects that the client is gone
     CHECK(eventually([&] { return get(stage.port(), "/").code == 200; }, Milliseconds(5000)));
 }
 
-TEST_CASE("view server: without the token nobody sees anything; with it in the address there is a cookie for the rest")
+TEST_CASE("view server: no access without the token; with it in the address a cookie is set")
 {
     Stage stage;
     stage.put(50);
@@ -216,11 +216,11 @@ TEST_CASE("view server: without the token nobody sees anything; with it in the a
                           + "; Path=/; HttpOnly; SameSite=Strict")
           != std::string::npos);
     CHECK(asked("/", cookie + "Sec-Fetch-Site: none\r\n").code == 200);
-    CHECK(asked("/picture.jpg", cookie + "Sec-Fetch-Site: same-origin\r\n").picture().cols == 50);
-    CHECK(asked("/picture.jpg?token=" + http::token, "").picture().cols == 50);  // for curl
+    CHECK(asked("/picture.jpg", cookie + "Sec-Fetch-Site: same-origin\r\n").image().cols == 50);
+    CHECK(asked("/picture.jpg?token=" + http::token, "").image().cols == 50);  // for curl
 }
 
-TEST_CASE("view server: ends with browsers connected, and its port is free again")
+TEST_CASE("view server: stops with browsers connected, and frees its port")
 {
     auto stage = std::make_unique<Stage>();
     const int port = stage->port();

@@ -1,4 +1,4 @@
-// A server of the view drone with pictures to give.
+// A server of the view drone with images to give.
 #pragma once
 
 #include "http.hpp"
@@ -13,14 +13,14 @@
 
 namespace stage {
 
-/// A server with pictures to give; counts how many were decoded.
+/// A server with images to give; counts how many were decoded.
 class Stage {
 public:
     explicit Stage(view::Server::Settings settings = {})
-        : exchange_(view::Picture::of_notice("no image yet")), server_(with_token(std::move(settings)), exchange_)
+        : exchange_(view::Image::of_notice("no image yet")), server_(with_token(std::move(settings)), exchange_)
     {
     }
-    /// Noise of `width` pixels, so that it can be told from others and is long when encoded.
+    /// Noise of `width` pixels, so that it is distinguishable and large when encoded.
     void put(int width, int height = 30)
     {
         const auto pixels = [this, width, height] {
@@ -33,8 +33,8 @@ public:
     }
     void put_pixels(std::function<cv::Mat()> pixels)
     {
-        exchange_.put(std::make_shared<const view::Picture>(
-            view::Origin{}, view::Picture::Content{std::move(pixels), nullptr}, view::Picture::Look{.overlay = false}));
+        exchange_.put(std::make_shared<const view::Image>(
+            view::Origin{}, view::Image::Content{std::move(pixels), nullptr}, view::Image::Look{.overlay = false}));
         server_.wake();
     }
     [[nodiscard]] int port() const { return server_.port(); }
@@ -52,10 +52,10 @@ private:
     view::Server server_;
 };
 
-/// The width of the next picture of a stream; 0: none.
+/// The width of the next image of a stream; 0: none.
 inline int next_width(http::Client& client)
 {
-    const auto jpeg = client.next_picture();
+    const auto jpeg = client.next_image();
     return jpeg ? http::decoded(*jpeg).cols : 0;
 }
 

@@ -13,17 +13,17 @@ view::Jpeg bytes(const std::string& text)
     return std::make_shared<const std::vector<unsigned char>>(text.begin(), text.end());
 }
 
-std::shared_ptr<const view::Picture> picture(const std::string& jpeg)
+std::shared_ptr<const view::Image> image(const std::string& jpeg)
 {
-    return std::make_shared<const view::Picture>(view::Origin{}, view::Picture::Content{{}, bytes(jpeg)},
-                                                 view::Picture::Look{.overlay = false});
+    return std::make_shared<const view::Image>(view::Origin{}, view::Image::Content{{}, bytes(jpeg)},
+                                               view::Image::Look{.overlay = false});
 }
 
 view::Stream::Newest newest_of(const Exchange& exchange)
 {
     return [&exchange](Exchange::Time now) {
         const auto newest = exchange.newest(now);
-        return view::Encoded{newest.picture->jpeg(), newest.version};
+        return view::Encoded{newest.image->jpeg(), newest.version};
     };
 }
 
@@ -47,33 +47,33 @@ const Exchange::Time now{1000s};
 }  // namespace
 
 TEST_CASE(
-    "stream: each picture once, in parts that end with the boundary of the next, whatever the reader takes at a time")
+    "stream: each image once, in parts that end with the boundary of the next, whatever the reader takes at a time")
 {
     for (const std::size_t step : {1UL, 7UL, 1000UL}) {
-        Exchange exchange(picture("notice"));
+        Exchange exchange(image("notice"));
         view::Stream stream(newest_of(exchange), 2s);
         CHECK(read(stream, now, step) == "--picture\r\n" + part("notice"));
         CHECK(read(stream, now, step) == "");
-        exchange.put(picture("first"));
+        exchange.put(image("first"));
         CHECK(read(stream, now, step) == part("first"));
         CHECK(read(stream, now, step) == "");
     }
 }
 
-TEST_CASE("stream: a reader that is in the middle of a picture gets it whole, and then the newest")
+TEST_CASE("stream: a reader in the middle of an image gets the rest, and then the newest")
 {
-    Exchange exchange(picture("notice"));
+    Exchange exchange(image("notice"));
     view::Stream stream(newest_of(exchange), 2s);
     std::string some(20, '?');
     REQUIRE(stream.read(some, now) == 20);
     for (const char* jpeg : {"first", "second", "third"})
-        exchange.put(picture(jpeg));
+        exchange.put(image(jpeg));
     CHECK(some + read(stream, now) == "--picture\r\n" + part("notice") + part("third"));
 }
 
-TEST_CASE("stream: the last picture is repeated when there is no newer one for long")
+TEST_CASE("stream: the last image is repeated after a delay without a newer one")
 {
-    Exchange exchange(picture("notice"));
+    Exchange exchange(image("notice"));
     view::Stream stream(newest_of(exchange), 2s);
     read(stream, now);
     CHECK(read(stream, now + 1999ms) == "");
@@ -81,18 +81,18 @@ TEST_CASE("stream: the last picture is repeated when there is no newer one for l
     CHECK(read(stream, now + 3s) == "");
 }
 
-TEST_CASE("stream: a reader that has stopped keeps the JPEG that it reads, and no picture")
+TEST_CASE("stream: a stalled reader keeps its current JPEG only")
 {
-    Exchange exchange(picture("notice"));
-    std::weak_ptr<const view::Picture> read_by_it;
+    Exchange exchange(image("notice"));
+    std::weak_ptr<const view::Image> read_by_it;
     {
-        const auto first = picture("first");
+        const auto first = image("first");
         exchange.put(first);
         read_by_it = first;
     }
     view::Stream stream(newest_of(exchange), 2s);
     std::string some(20, '?');
     REQUIRE(stream.read(some, now) == 20);
-    exchange.put(picture("second"));
+    exchange.put(image("second"));
     CHECK(read_by_it.expired());
 }

@@ -1,4 +1,4 @@
-// The write drone as a process: what it is told, what its peers say of their pictures, and crashes.
+// The write drone as a process: its parameters, the headers of its peers, and crashes.
 #include "media.hpp"
 #include "swarm.hpp"
 
@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// A writer, and an application that gives it pictures one by one.
+/// A writer, and an application that gives it images one by one.
 struct Desk {
     Swarm swarm;
     Process writer;
@@ -30,14 +30,14 @@ struct Desk {
     }
 };
 
-bool comes_to_have(const fs::path& folder, int pictures)
+bool comes_to_have(const fs::path& folder, int images)
 {
-    return eventually([&] { return lines_of(text_of(folder / "times.csv")) == pictures + 1; });
+    return eventually([&] { return lines_of(text_of(folder / "times.csv")) == images + 1; });
 }
 
 }  // namespace
 
-TEST_CASE("write: a writer that was killed and is started again goes on in a new file, and what it had stays")
+TEST_CASE("write: a killed and restarted writer continues in a new file, and the old file stays")
 {
     const media::Folder folder;
     std::string overwrite, first = "run/", second = "run-2/", table = "times.csv";
@@ -61,7 +61,7 @@ TEST_CASE("write: a writer that was killed and is started again goes on in a new
     CHECK(text_of(in(first)) == kept);
 }
 
-TEST_CASE("write: pictures of a folder that have times of their own keep them, and what goes back follows")
+TEST_CASE("write: images of a folder keep their own times, and one that goes back follows the last")
 {
     const media::Folder folder;
     const auto out = folder.path() / "out";
@@ -76,7 +76,7 @@ TEST_CASE("write: pictures of a folder that have times of their own keep them, a
         CHECK_MESSAGE(has(table, time), table);
 }
 
-TEST_CASE("write: a rate that no source has is taken for none")
+TEST_CASE("write: an impossible frame rate is ignored")
 {
     const media::Folder folder;
     const auto out = folder.path() / "out";
@@ -90,7 +90,7 @@ TEST_CASE("write: a rate that no source has is taken for none")
     CHECK(desk.application.get("writer", {"fps"}).at("fps") == 0.01);
 }
 
-TEST_CASE("write: a FIFO or a device is not written to, and the drone neither waits for it nor ends")
+TEST_CASE("write: a FIFO or a device is refused without blocking or stopping the drone")
 {
     const media::Folder folder;
     const auto pipe = folder.path() / "pipe.mp4", link = folder.path() / "link.mp4", out = folder.path() / "out";
@@ -119,7 +119,7 @@ TEST_CASE("write: a FIFO or a device is not written to, and the drone neither wa
     CHECK(eventually([&] { return fs::file_size(video) > 100; }));
 }
 
-TEST_CASE("write: a set of another file that is aborted leaves alone what is being written, and one that holds ends it")
+TEST_CASE("write: an aborted set of another file leaves the current one unchanged, and a committed one ends it")
 {
     const media::Folder folder;
     std::string overwrite;

@@ -1,4 +1,4 @@
-// The times of the pictures in a video, as FFmpeg reads them.
+// The times of the images in a video, as FFmpeg reads them.
 #pragma once
 
 #include <ffmpeg.hpp>

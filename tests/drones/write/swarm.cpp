@@ -1,4 +1,4 @@
-// hivectl save: what a camera gives from a file comes to a file, with its times.
+// hivectl save: images that a camera reads from a file are saved with their times.
 #include "media.hpp"
 #include "reading.hpp"
 #include "sink.hpp"
@@ -18,12 +18,12 @@ using namespace std::chrono_literals;
 
 namespace {
 
-std::string clip(const std::filesystem::path& folder, int pictures)
+std::string clip(const std::filesystem::path& folder, int images)
 {
     const std::string path = (folder / "clip.avi").string();
     cv::VideoWriter writer(path, cv::CAP_FFMPEG, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 12, {64, 48});
     REQUIRE(writer.isOpened());
-    for (int i = 0; i < pictures; ++i)
+    for (int i = 0; i < images; ++i)
         writer.write(cv::Mat(48, 64, CV_8UC3, cv::Scalar::all(i % 250)));
     return path;
 }
@@ -31,7 +31,7 @@ std::string clip(const std::filesystem::path& folder, int pictures)
 /// Uneven, as those of a camera.
 std::chrono::microseconds time_of(int index) { return std::chrono::microseconds(33'367 * index + (index % 3) * 4'000); }
 
-/// A drawn face before a wall, for 300 pictures.
+/// A drawn face before a wall, for 300 images.
 std::string clip_with_face(const std::filesystem::path& folder)
 {
     const std::string path = (folder / "face.mp4").string();
@@ -46,7 +46,7 @@ std::string clip_with_face(const std::filesystem::path& folder)
     return path;
 }
 
-/// The seconds at which pictures are shown, as ffprobe tells them.
+/// The seconds at which images are shown, by ffprobe.
 std::vector<double> probed(const Swarm& swarm, const std::string& path)
 {
     const auto finished = swarm.run({"/usr/bin/ffprobe", "-v", "error", "-select_streams", "v", "-show_entries",
@@ -62,7 +62,7 @@ std::vector<double> probed(const Swarm& swarm, const std::string& path)
     return times;
 }
 
-/// In how many pictures has something been drawn?
+/// In how many images has something been drawn?
 int differing(const std::string& path, const std::string& from)
 {
     cv::VideoCapture drawn(path, cv::CAP_FFMPEG), plain(from, cv::CAP_FFMPEG);
@@ -74,8 +74,7 @@ int differing(const std::string& path, const std::string& from)
 
 }  // namespace
 
-TEST_CASE(
-    "save: 300 pictures of a clip, with the faces framed, are 300 frames at the same times, as ffprobe reads them")
+TEST_CASE("save: 300 images of a clip, with the faces framed, are 300 frames at the same times, as ffprobe reads them")
 {
     if (!possible(std::filesystem::exists("/usr/bin/ffprobe") ? "" : "ffprobe, of Debian's package ffmpeg"))
         return;
@@ -94,7 +93,7 @@ TEST_CASE(
     CHECK(differing(path, from) > 200);
 }
 
-TEST_CASE("save: a clip on demand comes out with all its frames at their times, and the command ends by itself")
+TEST_CASE("save: a clip on demand is saved with all its frames at their times, and the command exits")
 {
     const Swarm swarm;
     const media::Folder folder;
@@ -111,7 +110,7 @@ TEST_CASE("save: a clip on demand comes out with all its frames at their times, 
     CHECK(swarm.hivectl({"ps"}).out.find("writer") == std::string::npos);
 }
 
-TEST_CASE("save: a clip that begins again goes on at the distance of its pictures")
+TEST_CASE("save: a looped clip continues at the interval of its images")
 {
     const Swarm swarm;
     const media::Folder folder;
@@ -125,7 +124,7 @@ TEST_CASE("save: a clip that begins again goes on at the distance of its picture
         CHECK(std::abs(times[i] - static_cast<double>(i) / 12) <= 0.001);
 }
 
-TEST_CASE("save: where the disk takes no more, it says how many frames can be read, and the reason once")
+TEST_CASE("save: on a full disk it reports the number of readable frames, and the reason once")
 {
     const Swarm swarm;
     const auto camera = swarm.drone("camera", "camera", {"source=scene:noise", "noise=50", "pace=demand"});
@@ -138,7 +137,7 @@ TEST_CASE("save: where the disk takes no more, it says how many frames can be re
     CHECK_MESSAGE(saved.out.find(path + ": " + frames + " in ") != std::string::npos, saved.out, " but ", frames);
 }
 
-TEST_CASE("save: of a live camera it takes as many as it is told, or until Ctrl-C")
+TEST_CASE("save: a live camera is saved up to the requested number, or until Ctrl-C")
 {
     const Swarm swarm;
     const media::Folder folder;

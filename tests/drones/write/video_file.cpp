@@ -1,4 +1,4 @@
-// Videos and folders: every picture with its time, also when the file is cut off.
+// Videos and folders: every image with its time, also when the file is cut off.
 #include "file_times.hpp"
 #include "media.hpp"
 #include "reading.hpp"
@@ -23,11 +23,11 @@ namespace {
 /// Uneven, as those of a camera.
 std::chrono::microseconds time_of(int index) { return std::chrono::microseconds(33'367 * index + (index % 3) * 4'000); }
 
-void add_pictures(writing::Sink& sink, int count, cv::Size size = {64, 48}, int type = CV_8UC3)
+void add_images(writing::Sink& sink, int count, cv::Size size = {64, 48}, int type = CV_8UC3)
 {
-    const cv::Mat picture = media::sample(size, type);
+    const cv::Mat image = media::sample(size, type);
     for (int i = 0; i < count; ++i)
-        sink.add({.pixels = picture, .sequence = i + 1, .fps = 30}, time_of(i));
+        sink.add({.pixels = image, .sequence = i + 1, .fps = 30}, time_of(i));
 }
 
 /// How far the times in a file are from those that were given, at most.
@@ -54,14 +54,14 @@ bool contains(const std::string& text, const std::string& part) { return text.fi
 
 }  // namespace
 
-TEST_CASE("write: a video has every picture at its time, within a millisecond")
+TEST_CASE("write: a video has every image at its time, within a millisecond")
 {
     const media::Folder folder;
     for (const char* name : {"a.mp4", "b.mkv", "with:colon %d.mov"}) {
         CAPTURE(std::string(name));
         const std::string path = (folder.path() / name).string();
         const auto sink = writing::open_sink({.path = path});
-        add_pictures(*sink, 100);
+        add_images(*sink, 100);
         sink->close();
         CHECK_FALSE(sink->encoder().empty());
         const auto times = times_in(path);
@@ -77,7 +77,7 @@ TEST_CASE("write: an AVI has a constant rate, so its times are rounded to that")
     const media::Folder folder;
     const std::string path = (folder.path() / "a.avi").string();
     const auto sink = writing::open_sink({.path = path});
-    add_pictures(*sink, 30);
+    add_images(*sink, 30);
     sink->close();
     CHECK(largest_error(times_in(path)) <= 0.04);
 }
@@ -87,17 +87,17 @@ TEST_CASE("write: a video that is cut off at any moment can be played up to the 
     const media::Folder folder;
     const std::string path = (folder.path() / "a.mp4").string(), copy = (folder.path() / "copy.mp4").string();
     const auto sink = writing::open_sink({.path = path});
-    add_pictures(*sink, 150);  // five seconds
+    add_images(*sink, 150);  // five seconds
     fs::copy_file(path, copy);
     const auto times = times_in(copy);
     CHECK(times.size() >= 110);
     CHECK(times.size() < 150);
     CHECK(largest_error(times) <= 0.001);
     cv::VideoCapture video(copy, cv::CAP_FFMPEG);
-    int pictures = 0;
-    for (cv::Mat picture; video.read(picture);)
-        ++pictures;
-    CHECK(pictures == static_cast<int>(times.size()));
+    int images = 0;
+    for (cv::Mat image; video.read(image);)
+        ++images;
+    CHECK(images == static_cast<int>(times.size()));
 }
 
 TEST_CASE("write: grey, 16 bits, odd sides and a change of size are no reason to fail")
@@ -106,14 +106,14 @@ TEST_CASE("write: grey, 16 bits, odd sides and a change of size are no reason to
     const std::string path = (folder.path() / "a.mp4").string();
     const auto sink = writing::open_sink({.path = path});
     int index = 0;
-    for (const cv::Mat& picture : {media::sample({63, 47}, CV_8UC1), media::sample({63, 47}, CV_16UC1),
-                                   media::sample({63, 47}, CV_8UC3), media::sample({128, 96}, CV_8UC3)})
-        sink->add({.pixels = picture}, time_of(index++));
+    for (const cv::Mat& image : {media::sample({63, 47}, CV_8UC1), media::sample({63, 47}, CV_16UC1),
+                                 media::sample({63, 47}, CV_8UC3), media::sample({128, 96}, CV_8UC3)})
+        sink->add({.pixels = image}, time_of(index++));
     sink->close();
     CHECK(times_in(path).size() == 4);
 }
 
-TEST_CASE("write: a folder keeps JPEG files byte for byte, 16 bits as PNG, and tells the times")
+TEST_CASE("write: a folder keeps JPEG files byte for byte, 16 bits as PNG, and lists the times")
 {
     const media::Folder folder;
     const std::string path = (folder.path() / "out" / "").string();
@@ -121,7 +121,7 @@ TEST_CASE("write: a folder keeps JPEG files byte for byte, 16 bits as PNG, and t
     const cv::Mat deep = media::sample({40, 30}, CV_16UC1);
     const auto sink = writing::open_sink({.path = path});
     CHECK(sink->takes_encoded(".jpg"));
-    sink->add({.pixels = {}, .encoded = jpeg, .ending = ".jpg", .sequence = 7}, 0us);
+    sink->add({.pixels = {}, .encoded = jpeg, .extension = ".jpg", .sequence = 7}, 0us);
     sink->add({.pixels = deep, .sequence = 9}, 40'000us);
     sink->close();
     CHECK(media::read(path + "00000001.jpg") == jpeg);
@@ -130,7 +130,7 @@ TEST_CASE("write: a folder keeps JPEG files byte for byte, 16 bits as PNG, and t
     CHECK(std::string(table.begin(), table.end()) == "file,seq,time_us\n00000001.jpg,7,0\n00000002.png,9,40000\n");
 }
 
-TEST_CASE("write: what cannot be written is refused before the first picture, with the reason")
+TEST_CASE("write: an invalid file is refused before the first image, with the reason")
 {
     const media::Folder folder;
     media::write(folder.path() / "there.mp4", {1});
@@ -138,12 +138,12 @@ TEST_CASE("write: what cannot be written is refused before the first picture, wi
     CHECK(contains(refusal({.path = path("there.mp4")}), "exists already"));
     CHECK(refusal({.path = path("there.mp4"), .overwrite = true}).empty());
     CHECK(contains(refusal({.path = path("a.gif")}), "unknown extension"));
-    CHECK(contains(refusal({.path = path("nowhere/a.mp4")}), "there is no folder"));
+    CHECK(contains(refusal({.path = path("nowhere/a.mp4")}), "no such folder"));
     CHECK(contains(refusal({.path = folder.path().string()}), "not empty"));
     CHECK_FALSE(fs::exists(path("a.mp4")));
 }
 
-TEST_CASE("write: where no more can be written it says so, and what came before stays")
+TEST_CASE("write: a failure to write is reported, and earlier images stay")
 {
     const media::Folder folder;
     const std::string path = (folder.path() / "a.mp4").string();
@@ -166,7 +166,7 @@ TEST_CASE("write: where no more can be written it says so, and what came before 
     CHECK_FALSE(times_in(path).empty());
 }
 
-TEST_CASE("write: nothing is read behind a picture, whatever its size")
+TEST_CASE("write: nothing is read past the end of an image of any size")
 {
     const media::Folder folder;
     int number = 0;
@@ -177,18 +177,18 @@ TEST_CASE("write: nothing is read behind a picture, whatever its size")
         void* const memory = mmap(nullptr, pages + page, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
         REQUIRE(memory != MAP_FAILED);
         mprotect(static_cast<char*>(memory) + pages, page, PROT_NONE);
-        const cv::Mat picture(size, CV_8UC3, static_cast<char*>(memory) + pages - bytes);
+        const cv::Mat image(size, CV_8UC3, static_cast<char*>(memory) + pages - bytes);
         const auto path = (folder.path() / (std::to_string(number++) + ".mkv")).string();
         const auto sink = writing::open_sink({.path = path});
         for (int i = 0; i < 3; ++i)
-            sink->add({.pixels = picture, .fps = 30}, time_of(i));
+            sink->add({.pixels = image, .fps = 30}, time_of(i));
         sink->close();
         munmap(memory, pages + page);
         CHECK(times_in(path).size() == 3);
     }
 }
 
-TEST_CASE("write: after a failure the count is that of the pictures that can be read")
+TEST_CASE("write: after a failure only readable images are counted")
 {
     const media::Folder folder;
     std::signal(SIGXFSZ, SIG_IGN);
@@ -214,16 +214,16 @@ TEST_CASE("write: after a failure the count is that of the pictures that can be 
         const auto held = sink->held();
         REQUIRE(held);
         const auto times = times_in(path);
-        CHECK(held->pictures > 0);
-        CHECK(held->pictures <= taken);
-        CHECK(std::abs(held->pictures - std::ssize(times)) <= 1);  // the last may be there in part
+        CHECK(held->images > 0);
+        CHECK(held->images <= taken);
+        CHECK(std::abs(held->images - std::ssize(times)) <= 1);  // the last may be there in part
         CHECK(std::abs(std::chrono::duration<double>(held->last).count()
-                       - times[static_cast<std::size_t>(held->pictures) - 1])
+                       - times[static_cast<std::size_t>(held->images) - 1])
               < 0.001);
     }
 }
 
-TEST_CASE("write: a video that could not be begun says why, and is closed without harm")
+TEST_CASE("write: a video that could not be started reports why, and can be closed")
 {
     const media::Folder folder;
     const fs::path below = folder.path() / "below";
@@ -240,19 +240,19 @@ TEST_CASE("write: a video that could not be begun says why, and is closed withou
         setrlimit(RLIMIT_FSIZE, &none);
     }
     SUBCASE("no encoder takes the size") { size = {70'000, 2}; }
-    CHECK_THROWS_AS(add_pictures(*sink, 1, size), std::runtime_error);
+    CHECK_THROWS_AS(add_images(*sink, 1, size), std::runtime_error);
     setrlimit(RLIMIT_FSIZE, &before);
     CHECK_NOTHROW(sink->close());
 }
 
-TEST_CASE("write: a folder that is overwritten loses the pictures that were numbered before, and nothing else")
+TEST_CASE("write: overwriting a folder removes its numbered images and nothing else")
 {
     const media::Folder folder;
     for (const char* name : {"00000001.png", "00000002.jpg", "2.jpg", "00000002.jpg.txt", "000000003.jpg"})
         media::write(folder.path() / name, {1});
     fs::create_directory(folder.path() / "00000004.jpg");
     const auto sink = writing::open_sink({.path = folder.path().string(), .overwrite = true});
-    add_pictures(*sink, 1);
+    add_images(*sink, 1);
     sink->close();
     std::set<std::string> names;
     for (const auto& entry : fs::directory_iterator(folder.path()))
@@ -262,7 +262,7 @@ TEST_CASE("write: a folder that is overwritten loses the pictures that were numb
                                    "times.csv"});
 }
 
-TEST_CASE("times: the distances of one clock are kept, another one goes on where the last ended")
+TEST_CASE("times: the intervals of one clock are kept, another clock continues where the last ended")
 {
     writing::FileTimes times;
     CHECK(times.next({"a", 5'000'000, 0}) == 0us);

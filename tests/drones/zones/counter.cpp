@@ -1,4 +1,4 @@
-// Tracks on made paths, and what is counted of them.
+// Counts of tracks on made-up paths.
 #include <counter.hpp>
 
 #include <doctest/doctest.h>
@@ -88,7 +88,7 @@ TEST_CASE("counter: from the left to the right of the line is in, back is out")
     CHECK(swapped.counter.lines()[0].out == 1);
 }
 
-TEST_CASE("counter: passing beside the ends of a line does not count, coming back through it does")
+TEST_CASE("counter: passing outside of the ends of a line does not count, coming back through it does")
 {
     Film film("", level);
     CHECK(film.path(1, {{0.1, 0.3}, {0.1, 0.7}, {0.5, 0.7}}).empty());
@@ -144,7 +144,7 @@ TEST_CASE("counter: boxes without id count for the occupancy alone")
     CHECK(film.counter.zones()[0].unnumbered == 0);
 }
 
-TEST_CASE("counter: a restart, or a time that runs back, ends all tracks and keeps the counts")
+TEST_CASE("counter: a restart, or a time that goes back, ends all tracks and keeps the counts")
 {
     Film film(left_half, middle);
     film.path(1, {{0.2, 0.5}});
@@ -155,7 +155,7 @@ TEST_CASE("counter: a restart, or a time that runs back, ends all tracks and kee
     CHECK(film.counter.zones()[0].entered == 1);
 }
 
-TEST_CASE("counter: shapes that stay keep their counts, changed ones begin at 0")
+TEST_CASE("counter: unchanged shapes keep their counts, changed ones start at 0")
 {
     Film film(left_half + "; low: 0,0.5 1,0.5 1,1 0,1", middle);
     film.path(1, {{0.8, 0.6}, {0.2, 0.6}});

@@ -71,7 +71,7 @@ TEST_CASE("observations: the page shows exactly the fields of counts")
     CHECK(written["zones"][0]["occupancy"] == 1);
 }
 
-TEST_CASE("observations: an event says what, where, who, when")
+TEST_CASE("observations: an event has kind, place, id and time")
 {
     CHECK(event_header({.kind = Occurrence::Kind::cross, .shape = "till", .id = 3, .at = {1.5, 9}, .right = true}, true)
           == Json::parse(

@@ -1,4 +1,4 @@
-// Zones and lines as users write them, and what is refused.
+// Zones and lines as users write them, and refusals.
 #include <shapes.hpp>
 
 #include <doctest/doctest.h>
@@ -47,7 +47,7 @@ TEST_CASE("shapes: each mistake is refused with the name of the shape and the ca
     CHECK(has(refusal(read_zones, "door: 0,0 1,1 1,0 0,1"), "door: two of its sides cross"));
     CHECK(has(refusal(read_zones, "door: 0,0 1,0 1,1 0,0"), "door: the same point twice"));
     CHECK(has(refusal(read_zones, "door: 0,0 0.5,0.5 1,1"), "door: "));
-    CHECK(has(refusal(read_zones, "a: 0,0 1,0 1,1; a: 0,0 1,0 1,1"), "a: two have this name"));
+    CHECK(has(refusal(read_zones, "a: 0,0 1,0 1,1; a: 0,0 1,0 1,1"), "a: duplicate name"));
     CHECK(has(refusal(read_lines, "till: 0,0"), "till: 1 points; a line needs 2"));
     CHECK(has(refusal(read_lines, "till: 0,0 0,0"), "till: no length"));
 }

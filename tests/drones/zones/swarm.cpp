@@ -33,7 +33,7 @@ TEST_CASE("zones swarm: walkers cross the middle, and events agree with the coun
         }
     }
     CHECK(last.at("width") == 320);
-    CHECK(last.at("width").is_number_integer());  // else no table knows the size of the image
+    CHECK(last.at("width").is_number_integer());  // otherwise no table has the image size
     if (!sanitized()) {
         CHECK(seen["enter"] >= 3);
         CHECK(seen["cross"] >= 1);

@@ -1,4 +1,4 @@
-// Good pictures: what decode() gives is what OpenCV gives, bit for bit.
+// Valid images: decode() returns the same bits as OpenCV.
 #include "media.hpp"
 
 #include <doctest/doctest.h>
@@ -70,7 +70,7 @@ media::Bytes with_orientation(const media::Bytes& jpeg, unsigned char orientatio
 
 TEST_CASE("decode: every photograph of the media equals cv::imdecode bit for bit (needs media)")
 {
-    for (const auto& path : media::pictures({".jpg", ".png"})) {
+    for (const auto& path : media::images({".jpg", ".png"})) {
         CAPTURE(path.filename().string());
         check_like_opencv(media::read(path), path.extension() == ".png" ? "image/png" : "image/jpeg");
     }
@@ -108,7 +108,7 @@ TEST_CASE("decode: PNGs of many kinds equal cv::imdecode bit for bit")
         check_like_opencv(media::encoded(".png", media::sample({33, 21}, type)), "image/png");
 }
 
-TEST_CASE("decode: a JPEG is turned upright as its EXIF orientation says")
+TEST_CASE("decode: a JPEG is turned upright by its EXIF orientation")
 {
     const media::Bytes jpeg = media::encoded(".jpg", media::sample({48, 20}, CV_8UC3));
     for (unsigned char orientation = 0; orientation <= 9; ++orientation)
@@ -121,13 +121,13 @@ TEST_CASE("decode: a JPEG is turned upright as its EXIF orientation says")
 
 TEST_CASE("decode: only the declared type is tried")
 {
-    const cv::Mat picture = media::sample({20, 20}, CV_8UC3);
-    CHECK(decode_refusal(media::encoded(".png", picture), "image/jpeg") == Errc::malformed);
-    CHECK(decode_refusal(media::encoded(".jpg", picture), "image/png") == Errc::malformed);
-    CHECK(decode_refusal(media::encoded(".bmp", picture), "image/png") == Errc::malformed);
-    CHECK(decode_refusal(media::encoded(".bmp", picture), "image/bmp") == Errc::unsupported);
-    CHECK(decode_refusal(media::encoded(".jpg", picture), "") == Errc::unsupported);
-    CHECK(decode_refusal(media::encoded(".jpg", picture), "image/*") == Errc::unsupported);
+    const cv::Mat image = media::sample({20, 20}, CV_8UC3);
+    CHECK(decode_refusal(media::encoded(".png", image), "image/jpeg") == Errc::malformed);
+    CHECK(decode_refusal(media::encoded(".jpg", image), "image/png") == Errc::malformed);
+    CHECK(decode_refusal(media::encoded(".bmp", image), "image/png") == Errc::malformed);
+    CHECK(decode_refusal(media::encoded(".bmp", image), "image/bmp") == Errc::unsupported);
+    CHECK(decode_refusal(media::encoded(".jpg", image), "") == Errc::unsupported);
+    CHECK(decode_refusal(media::encoded(".jpg", image), "image/*") == Errc::unsupported);
 }
 
 TEST_CASE("decode: bytes behind the end of a JPEG do not matter")
@@ -138,7 +138,7 @@ TEST_CASE("decode: bytes behind the end of a JPEG do not matter")
     CHECK(media::same(vision::decode(Body(jpeg), "image/jpeg"), expected));
 }
 
-TEST_CASE("decode: a picture larger than its event's header says is refused")
+TEST_CASE("decode: an image larger than declared in its event's header is refused")
 {
     hive::Event event;
     event.type = "image/jpeg";

@@ -39,24 +39,23 @@ Errc encode_refusal(Encode encode)
 
 }  // namespace
 
-TEST_CASE("encode: a PNG has every pixel, whatever its type and the gap between its rows")
+TEST_CASE("encode: a PNG has every pixel, for every type and gap between rows")
 {
     for (const int type : all_types)
         for (const cv::Size size : {cv::Size(1, 1), cv::Size(17, 9), cv::Size(320, 240)})
-            for (const cv::Mat& picture : whole_and_part(size, type)) {
+            for (const cv::Mat& image : whole_and_part(size, type)) {
                 CAPTURE(type);
-                CHECK(media::same(cv::imdecode(encoded_bytes(vision::encode_png(picture)), cv::IMREAD_UNCHANGED),
-                                  picture));
+                CHECK(media::same(cv::imdecode(encoded_bytes(vision::encode_png(image)), cv::IMREAD_UNCHANGED), image));
             }
 }
 
 TEST_CASE("encode: a PNG is as small as that of cv::imencode")
 {
     for (const int type : all_types) {
-        const cv::Mat picture = media::sample({320, 240}, type);
-        const auto expected = media::encoded(".png", picture).size();
+        const cv::Mat image = media::sample({320, 240}, type);
+        const auto expected = media::encoded(".png", image).size();
         CAPTURE(type);
-        CHECK(vision::encode_png(picture).size() <= expected + expected / 50);
+        CHECK(vision::encode_png(image).size() <= expected + expected / 50);
     }
 }
 
@@ -64,12 +63,12 @@ TEST_CASE("encode: a JPEG is that of cv::imencode, byte for byte")
 {
     for (const int type : {CV_8UC1, CV_8UC3})
         for (const cv::Size size : {cv::Size(1, 1), cv::Size(17, 9), cv::Size(320, 240)})
-            for (const cv::Mat& picture : whole_and_part(size, type))
+            for (const cv::Mat& image : whole_and_part(size, type))
                 for (const int quality : {1, 55, 80, 95, 96, 100}) {
                     CAPTURE(type);
                     CAPTURE(quality);
-                    CHECK(encoded_bytes(vision::encode_jpeg(picture, quality))
-                          == media::encoded(".jpg", picture, {cv::IMWRITE_JPEG_QUALITY, quality}));
+                    CHECK(encoded_bytes(vision::encode_jpeg(image, quality))
+                          == media::encoded(".jpg", image, {cv::IMWRITE_JPEG_QUALITY, quality}));
                 }
 }
 
@@ -91,10 +90,9 @@ TEST_CASE("encode: a JPEG is close to its image; of 16 bits it has the upper eig
 
 TEST_CASE("encode: other types and no pixels are refused")
 {
-    for (const cv::Mat& picture :
-         {cv::Mat(), cv::Mat(4, 4, CV_32FC3), cv::Mat(4, 4, CV_8UC4), cv::Mat(4, 4, CV_16UC3)}) {
-        CHECK(encode_refusal([&] { vision::encode_jpeg(picture, 80); }) == Errc::invalid_argument);
-        CHECK(encode_refusal([&] { vision::encode_png(picture); }) == Errc::invalid_argument);
+    for (const cv::Mat& image : {cv::Mat(), cv::Mat(4, 4, CV_32FC3), cv::Mat(4, 4, CV_8UC4), cv::Mat(4, 4, CV_16UC3)}) {
+        CHECK(encode_refusal([&] { vision::encode_jpeg(image, 80); }) == Errc::invalid_argument);
+        CHECK(encode_refusal([&] { vision::encode_png(image); }) == Errc::invalid_argument);
     }
 }
 

@@ -1,4 +1,4 @@
-// The encoder of pictures: what becomes of type, body and header, and what is left alone.
+// The encoder of images: type, body and header of its results, and unchanged events.
 #include "media.hpp"
 
 #include <doctest/doctest.h>
@@ -16,22 +16,22 @@ namespace {
 
 const hive::Encoder encoder = vision::encoder();
 
-Event raw_event(const cv::Mat& picture)
+Event raw_event(const cv::Mat& image)
 {
     Event event;
     event.type = "image/raw";
-    event.header = vision::raw_header(picture, {{"index", 7}});
-    event.body = vision::encode_raw(picture);
+    event.header = vision::raw_header(image, {{"index", 7}});
+    event.body = vision::encode_raw(image);
     event.size = event.body.size();
     return event;
 }
 
-Event jpeg_event(const cv::Mat& picture)
+Event jpeg_event(const cv::Mat& image)
 {
     Event event;
     event.type = "image/jpeg";
-    event.header = {{"index", 7}, {"width", picture.cols}, {"height", picture.rows}};
-    event.body = vision::encode_jpeg(picture, 90);
+    event.header = {{"index", 7}, {"width", image.cols}, {"height", image.rows}};
+    event.body = vision::encode_jpeg(image, 90);
     return event;
 }
 
@@ -45,7 +45,7 @@ Errc refusal(const std::string& encoding)
     return Errc::io;
 }
 
-/// How far two pictures are apart, grey levels on average.
+/// How far two images are apart, grey levels on average.
 double distance(const cv::Mat& a, const cv::Mat& b)
 {
     return cv::norm(a, b, cv::NORM_L1) / static_cast<double>(a.total() * a.elemSize());
@@ -55,8 +55,8 @@ double distance(const cv::Mat& a, const cv::Mat& b)
 
 TEST_CASE("encoder: raw to jpeg and back keeps the size, the kind of pixels and the rest of the header")
 {
-    const cv::Mat picture = media::sample({64, 48}, CV_8UC3);
-    const Event jpeg = encoder.encode(raw_event(picture), "jpeg");
+    const cv::Mat image = media::sample({64, 48}, CV_8UC3);
+    const Event jpeg = encoder.encode(raw_event(image), "jpeg");
     CHECK(jpeg.type == "image/jpeg");
     CHECK(jpeg.header == Json{{"index", 7}, {"width", 64}, {"height", 48}});
     CHECK(jpeg.size == jpeg.body.size());
@@ -65,21 +65,21 @@ TEST_CASE("encoder: raw to jpeg and back keeps the size, the kind of pixels and 
     CHECK(raw.type == "image/raw");
     CHECK(raw.header == Json{{"index", 7}, {"width", 64}, {"height", 48}, {"pixel_format", "bgr8"}, {"stride", 192}});
     CHECK(raw.body.size() == 64 * 48 * 3);
-    CHECK(distance(vision::view(raw), picture) < 12);
+    CHECK(distance(vision::view(raw), image) < 12);
 }
 
-TEST_CASE("encoder: png keeps every pixel, of a grey picture the grey")
+TEST_CASE("encoder: png keeps every pixel, of a grey image the grey")
 {
-    const cv::Mat picture = media::sample({40, 30}, CV_8UC1);
-    const Event png = encoder.encode(raw_event(picture), "png");
+    const cv::Mat image = media::sample({40, 30}, CV_8UC1);
+    const Event png = encoder.encode(raw_event(image), "png");
     CHECK(png.type == "image/png");
     cv::Mat grey;
     cv::extractChannel(vision::view(png), grey, 0);  // decoding gives three equal channels
-    CHECK(media::same(grey, picture));
-    CHECK(encoder.encode(raw_event(picture), "jpeg:90").body.size() > 100);
+    CHECK(media::same(grey, image));
+    CHECK(encoder.encode(raw_event(image), "jpeg:90").body.size() > 100);
 }
 
-TEST_CASE("encoder: rows with gaps between them are encoded like the same picture without")
+TEST_CASE("encoder: rows with gaps between them are encoded like the same image without")
 {
     const cv::Mat whole = media::sample({50, 20}, CV_8UC3), padded(20, 64, CV_8UC3, cv::Scalar::all(0)),
                   part = padded.colRange(0, 50);
@@ -94,8 +94,8 @@ TEST_CASE("encoder: rows with gaps between them are encoded like the same pictur
 
 TEST_CASE("encoder: a word without a number leaves its own type untouched, byte for byte")
 {
-    const cv::Mat picture = media::sample({64, 48}, CV_8UC3);
-    const Event jpeg = jpeg_event(picture), raw = raw_event(picture);
+    const cv::Mat image = media::sample({64, 48}, CV_8UC3);
+    const Event jpeg = jpeg_event(image), raw = raw_event(image);
     CHECK(encoder.encode(jpeg, "jpeg").body.data() == jpeg.body.data());
     CHECK(encoder.encode(jpeg, "jpeg").header == jpeg.header);
     CHECK(encoder.encode(raw, "raw").body.data() == raw.body.data());
@@ -103,11 +103,11 @@ TEST_CASE("encoder: a word without a number leaves its own type untouched, byte 
 
 TEST_CASE("encoder: a quality that was asked for is always the one that comes")
 {
-    const cv::Mat picture = media::sample({64, 48}, CV_8UC3);
+    const cv::Mat image = media::sample({64, 48}, CV_8UC3);
     const auto bytes = [&](const Event& event, const char* encoding) {
         return encoder.encode(event, encoding).body.size();
     };
-    const Event raw = raw_event(picture), jpeg = jpeg_event(picture);
+    const Event raw = raw_event(image), jpeg = jpeg_event(image);
     CHECK(bytes(raw, "jpeg:30") < bytes(raw, "jpeg:80"));
     CHECK(bytes(raw, "jpeg:80") == bytes(raw, "jpeg"));
     CHECK(bytes(jpeg, "jpeg:30") < jpeg.body.size());
@@ -128,7 +128,7 @@ TEST_CASE("encoder: it knows raw, png, jpeg and the qualities 1 to 100, and refu
     }
 }
 
-TEST_CASE("encoder: a picture that is damaged is refused, not encoded in part")
+TEST_CASE("encoder: a damaged image is refused, not encoded in part")
 {
     Event jpeg = jpeg_event(media::sample({64, 48}, CV_8UC3));
     jpeg.body = hive::Body(jpeg.body.bytes().first(jpeg.body.size() / 2), std::make_shared<hive::Body>(jpeg.body));

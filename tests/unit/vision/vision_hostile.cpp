@@ -1,4 +1,4 @@
-// Bad pictures: cut short, bombs, damaged. They are refused before they cost anything, and never come out in part.
+// Bad images: cut short, bombs, damaged. They are refused before they cost anything, and never come out in part.
 #include "media.hpp"
 
 #include <doctest/doctest.h>
@@ -143,7 +143,7 @@ TEST_CASE("hostile JPEG: more than 100 scans are refused within 5 ms")
     CHECK(milliseconds_to_refuse(bomb, "image/jpeg") < 5);
 }
 
-TEST_CASE("hostile JPEG: many scans of a large picture are refused although each alone is allowed")
+TEST_CASE("hostile JPEG: many scans of a large image are refused although each alone is allowed")
 {
     const media::Bytes jpeg =
         media::encoded(".jpg", media::sample({64, 48}, CV_8UC3), {cv::IMWRITE_JPEG_PROGRESSIVE, 1});
@@ -191,16 +191,15 @@ TEST_CASE("hostile PNG: one that is cut short or damaged anywhere is refused")
     CHECK(refusal(damaged, "image/png") == Errc::malformed);
 }
 
-TEST_CASE("hostile pictures: whatever bytes are changed, the answer is a picture within the limits or an error")
+TEST_CASE("hostile images: with any bytes changed, the result is an image within the limits or an error")
 {
     cv::RNG random(7);
     const vision::DecodeLimits limits{100'000, 20, 1'000'000};
-    const cv::Mat picture = media::sample({64, 48}, CV_8UC3);
+    const cv::Mat image = media::sample({64, 48}, CV_8UC3);
     for (const char* suffix : {".jpg", ".png"})
         for (const auto& kind : jpeg_kinds) {
             const std::string type = suffix == std::string(".jpg") ? "image/jpeg" : "image/png";
-            const media::Bytes whole =
-                media::encoded(suffix, picture, type == "image/jpeg" ? kind : std::vector<int>{});
+            const media::Bytes whole = media::encoded(suffix, image, type == "image/jpeg" ? kind : std::vector<int>{});
             for (int round = 0; round < 300; ++round) {
                 media::Bytes changed = whole;
                 for (int i = random.uniform(1, 6); i > 0; --i)

@@ -1,5 +1,5 @@
-// PNGs with more in them than a picture: texts and profiles that inflate to a thousand times their size, pixels after
-// the last one. They cost what the picture costs, or are refused.
+// PNGs with more in them than an image: texts and profiles that inflate to a thousand times their size, pixels after
+// the last one. They cost what the image costs, or are refused.
 #include "media.hpp"
 
 #include <doctest/doctest.h>
@@ -96,7 +96,7 @@ constexpr double patience = 1;
 
 struct Outcome {
     std::optional<Errc> refusal;
-    cv::Mat picture;
+    cv::Mat image;
     double seconds = 0;  ///< of the processor
 };
 
@@ -106,7 +106,7 @@ Outcome decoded(const media::Bytes& bytes)
     const Body body(bytes);
     const double begin = cpu_seconds();
     try {
-        outcome.picture = vision::decode(body, "image/png");
+        outcome.image = vision::decode(body, "image/png");
     } catch (const hive::Error& error) {
         outcome.refusal = error.code();
     }
@@ -123,7 +123,7 @@ TEST_CASE("hostile PNG: texts and profiles are not inflated")
          {text_bomb("zTXt", "name\0\0"s), text_bomb("iTXt", "name\0\1\0\0\0"s), text_bomb("iCCP", "name\0\0"s)}) {
         const auto outcome = decoded(with_chunks(std::vector(100, bomb)));
         CHECK_FALSE(outcome.refusal);
-        CHECK(outcome.picture.size() == cv::Size(2, 2));
+        CHECK(outcome.image.size() == cv::Size(2, 2));
         CHECK(outcome.seconds < 0.1 * patience);
     }
 }
@@ -148,7 +148,7 @@ TEST_CASE("hostile PNG: half a million empty chunks cost nothing")
     CHECK(outcome.seconds < 0.2 * patience);
 }
 
-TEST_CASE("hostile PNG: a chunk that nobody knows and may not be left out, and kinds that do not exist, are refused")
+TEST_CASE("hostile PNG: an unknown critical chunk and invalid types are refused")
 {
     CHECK(decoded(with_chunks({chunk("NEWS", {1, 2, 3})})).refusal == Errc::malformed);
     auto late_header = with_chunks({});
@@ -181,7 +181,7 @@ TEST_CASE("hostile PNG: EXIF of megabytes costs little and turns nothing")
     long_one.resize(7'000'000);
     const auto outcome = decoded(png(header(2, 1, {}), {chunk("eXIf", long_one)}, media::Bytes(7, 0)));
     CHECK_FALSE(outcome.refusal);
-    CHECK(outcome.picture.size() == cv::Size(2, 1));
+    CHECK(outcome.image.size() == cv::Size(2, 1));
     CHECK(outcome.seconds < 0.3 * patience);
 }
 
@@ -191,11 +191,11 @@ TEST_CASE("PNG: EXIF turns it as OpenCV does")
     const auto whole = png(header(2, 1, {}), {chunk("eXIf", sideways)}, {0, 10, 20, 30, 40, 50, 60});
     const auto outcome = decoded(whole);
     REQUIRE_FALSE(outcome.refusal);
-    CHECK(media::same(outcome.picture, cv::imdecode(whole, cv::IMREAD_COLOR)));
+    CHECK(media::same(outcome.image, cv::imdecode(whole, cv::IMREAD_COLOR)));
     media::Bytes late = png(header(2, 1, {}), {}, {0, 10, 20, 30, 40, 50, 60});
     const auto exif = chunk("eXIf", sideways);
     late.insert(late.end() - 12, exif.begin(), exif.end());
-    CHECK(decoded(late).picture.size() == cv::Size(1, 2));
+    CHECK(decoded(late).image.size() == cv::Size(1, 2));
 }
 
 TEST_CASE("PNG: every kind gives what OpenCV gives")
@@ -225,6 +225,6 @@ TEST_CASE("PNG: every kind gives what OpenCV gives")
         const auto whole = png(header(5, 3, kind), chunks, media::Bytes(bytes, 0));
         const auto outcome = decoded(whole);
         REQUIRE_FALSE(outcome.refusal);
-        CHECK(media::same(outcome.picture, cv::imdecode(whole, cv::IMREAD_COLOR)));
+        CHECK(media::same(outcome.image, cv::imdecode(whole, cv::IMREAD_COLOR)));
     }
 }

@@ -24,14 +24,14 @@ hive::Event raw_event(Json header, std::size_t bytes)
 
 }  // namespace
 
-TEST_CASE("raw: a picture comes back exactly, grey or colour, whole or a part of another")
+TEST_CASE("raw: an image comes back exactly, grey or colour, whole or a part of another")
 {
     for (const int type : {CV_8UC1, CV_8UC3, CV_16UC1}) {
         const cv::Mat whole = media::sample({50, 40}, type), part = whole(cv::Rect(3, 4, 20, 10));
-        for (const cv::Mat& picture : {whole, part})
-            CHECK(media::same(vision::decode(vision::encode_raw(picture), "image/raw", {.sixteen_bits = true},
-                                             vision::raw_header(picture)),
-                              picture));
+        for (const cv::Mat& image : {whole, part})
+            CHECK(media::same(vision::decode(vision::encode_raw(image), "image/raw", {.sixteen_bits = true},
+                                             vision::raw_header(image)),
+                              image));
     }
 }
 
@@ -45,8 +45,8 @@ TEST_CASE("raw: view shares the pixels of the body, decode owns its own")
 
 TEST_CASE("raw: encode_raw copies nothing when the pixels lie without gaps")
 {
-    const cv::Mat picture = media::sample({8, 8}, CV_8UC3);
-    CHECK(vision::encode_raw(picture).data() == picture.data);
+    const cv::Mat image = media::sample({8, 8}, CV_8UC3);
+    CHECK(vision::encode_raw(image).data() == image.data);
 }
 
 TEST_CASE("raw: rows may be padded to a stride")
@@ -57,7 +57,7 @@ TEST_CASE("raw: rows may be padded to a stride")
     CHECK(vision::size_of(event.body, event.type, {}, event.header) == cv::Size(5, 4));
 }
 
-TEST_CASE("raw: a header that lies is malformed, whatever it says")
+TEST_CASE("raw: a header that contradicts its body is malformed")
 {
     const auto header = [](Json width, Json height, Json format, Json stride) {
         return Json{{"width", std::move(width)},
@@ -108,14 +108,14 @@ TEST_CASE("raw: more pixels than allowed are too large")
     }
 }
 
-TEST_CASE("raw: a picture of 16 bits is for those who ask for it, and refused with a reason by the others")
+TEST_CASE("raw: an image of 16 bits is decoded on request only, and otherwise refused with a reason")
 {
-    const cv::Mat picture(3, 4, CV_16UC1, cv::Scalar(40'000));
-    const auto header = vision::raw_header(picture);
+    const cv::Mat image(3, 4, CV_16UC1, cv::Scalar(40'000));
+    const auto header = vision::raw_header(image);
     CHECK(header.at("pixel_format") == "gray16");
     CHECK(header.at("stride") == 8);
     try {
-        vision::decode(vision::encode_raw(picture), "image/raw", {}, header);
+        vision::decode(vision::encode_raw(image), "image/raw", {}, header);
         FAIL("taken for 8 bits");
     } catch (const hive::Error& error) {
         CHECK(error.code() == Errc::unsupported);
@@ -123,7 +123,7 @@ TEST_CASE("raw: a picture of 16 bits is for those who ask for it, and refused wi
     }
 }
 
-TEST_CASE("raw: alpha is left out, and what is not of 8 bits is refused with what its sender can do")
+TEST_CASE("raw: alpha is dropped, and other than 8 bits is refused with advice for its sender")
 {
     const cv::Mat with_alpha(3, 4, CV_8UC4, cv::Scalar(1, 2, 3, 4));
     const auto header = vision::raw_header(with_alpha);
@@ -137,11 +137,11 @@ TEST_CASE("raw: alpha is left out, and what is not of 8 bits is refused with wha
                                      {CV_32FC3, "bgr32f"},
                                      {CV_32FC4, "bgra32f"}}) {
         CAPTURE(word);
-        const cv::Mat picture(3, 4, type, cv::Scalar::all(1));
-        const auto described = vision::raw_header(picture);
+        const cv::Mat image(3, 4, type, cv::Scalar::all(1));
+        const auto described = vision::raw_header(image);
         CHECK(described.at("pixel_format") == word);
         try {
-            vision::decode(vision::encode_raw(picture), "image/raw", {.sixteen_bits = true}, described);
+            vision::decode(vision::encode_raw(image), "image/raw", {.sixteen_bits = true}, described);
             FAIL_CHECK("taken for 8 bits");
         } catch (const hive::Error& error) {
             CHECK(error.code() == Errc::unsupported);
@@ -154,11 +154,11 @@ TEST_CASE("raw: alpha is left out, and what is not of 8 bits is refused with wha
 
 TEST_CASE("raw: PNG keeps 16 bits, JPEG the upper eight")
 {
-    const cv::Mat picture(30, 40, CV_16UC1, cv::Scalar(40'000));
-    const Body png = vision::encode_png(picture);
+    const cv::Mat image(30, 40, CV_16UC1, cv::Scalar(40'000));
+    const Body png = vision::encode_png(image);
     const cv::Mat bytes(1, static_cast<int>(png.size()), CV_8UC1, const_cast<unsigned char*>(png.data()));
-    CHECK(media::same(cv::imdecode(bytes, cv::IMREAD_UNCHANGED), picture));
-    const cv::Mat jpeg = vision::decode(vision::encode_jpeg(picture, 95), "image/jpeg");
+    CHECK(media::same(cv::imdecode(bytes, cv::IMREAD_UNCHANGED), image));
+    const cv::Mat jpeg = vision::decode(vision::encode_jpeg(image, 95), "image/jpeg");
     CHECK(std::abs(jpeg.at<cv::Vec3b>(15, 20)[0] - 40'000 / 257) <= 1);
     CHECK(vision::plain_form({8192, 8192}, 1, 16).type == "image/png");
     CHECK(vision::plain_form({64, 48}, 1, 16).header.at("pixel_format") == "gray16");

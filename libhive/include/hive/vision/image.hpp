@@ -44,18 +44,18 @@ cv::Mat view(const Event& event, const DecodeLimits& limits = {});
 cv::Size size_of(const Body& body, const std::string& type, const DecodeLimits& limits = {},
                  const Json& header = Json::object());
 
-/// @param picture  8 bit with 1 or 3 (BGR) channels, or 16 bit grey, of which a JPEG keeps the upper eight
+/// @param image  8 bit with 1 or 3 (BGR) channels, or 16 bit grey, of which a JPEG keeps the upper eight
 /// @param quality  1 to 100; colour is subsampled 4:2:0
 /// @throws Error  too_large (a side has at most 65500 pixels, of a PNG 1000000), invalid_argument (pixels of another
 /// kind),
 ///                failed
-Body encode_jpeg(const cv::Mat& picture, int quality);
-Body encode_png(const cv::Mat& picture);
-/// The pixels themselves, not copied if they are contiguous: do not draw on `picture` afterwards. If they are those of
+Body encode_jpeg(const cv::Mat& image, int quality);
+Body encode_png(const cv::Mat& image);
+/// The pixels themselves, not copied if they are contiguous: do not draw on `image` afterwards. If they are those of
 /// a loan (loans.hpp), the body is that loan; only a part of a loan is copied.
-Body encode_raw(const cv::Mat& picture);
+Body encode_raw(const cv::Mat& image);
 /// Adds the fields of image/raw to `header`: "width", "height", "pixel_format", "stride", for the layout of encode_raw.
-Json raw_header(const cv::Mat& picture, Json header = Json::object());
+Json raw_header(const cv::Mat& image, Json header = Json::object());
 
 /// The form in which pixels of one size are emitted: image/raw, or if they exceed the maximum size of a body,
 /// image/jpeg (16 bit: image/png). The encoder converts it for each connection (encoder.hpp).
@@ -63,7 +63,7 @@ struct PlainForm {
     std::string type;
     Json header;  ///< "width", "height", and the other fields of image/raw
 
-    [[nodiscard]] Body body(const cv::Mat& picture) const;
+    [[nodiscard]] Body body(const cv::Mat& image) const;
 };
 /// @param channels  1 or 3 (BGR)
 /// @param bits      of each: 8, or 16 for one channel

@@ -20,13 +20,13 @@ public:
     explicit LoanAllocator(Lend lend) : lend_(std::move(lend)) {}
 
     /// An empty image whose pixels will be in a loan.
-    [[nodiscard]] cv::Mat picture();
+    [[nodiscard]] cv::Mat image();
     /// A colour copy (BGR) of an image of 1 or 3 channels, in a loan.
     [[nodiscard]] cv::Mat colour_copy(const cv::Mat& original);
     /// Allocates ordinary memory from now on, so that the lender can be destroyed.
     void close();
     /// The loan that holds the pixels, or nullptr.
-    static const Loan* loan_of(const cv::Mat& picture);
+    static const Loan* loan_of(const cv::Mat& image);
 
     cv::UMatData* allocate(int dims, const int* sizes, int type, void* data, std::size_t* step, cv::AccessFlag flags,
                            cv::UMatUsageFlags usage) const override;

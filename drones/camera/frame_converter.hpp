@@ -8,14 +8,14 @@
 namespace camera {
 
 /// For one thread.
-class FramePictures {
+class FrameConverter {
 public:
-    /// @param memory  where the pixels shall lie; null: OpenCV's own
-    explicit FramePictures(cv::MatAllocator* memory) : memory_(memory) {}
+    /// @param memory  allocator of the pixels; null: OpenCV's own
+    explicit FrameConverter(cv::MatAllocator* memory) : memory_(memory) {}
 
-    /// BGR. @param quarter_turns  clockwise, as it is to be shown
+    /// BGR. @param quarter_turns  clockwise, for display
     /// @throws std::runtime_error  FFmpeg cannot convert it
-    cv::Mat picture(const AVFrame& frame, int quarter_turns = 0);
+    cv::Mat image(const AVFrame& frame, int quarter_turns = 0);
 
 private:
     cv::MatAllocator* memory_;

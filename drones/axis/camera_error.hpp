@@ -6,7 +6,7 @@
 
 namespace axis {
 
-enum class Trouble {
+enum class Failure {
     not_allowed,      ///< the address of the host is not allowed
     unknown_host,     ///< its name cannot be resolved
     no_route,         ///< no route to the network
@@ -16,7 +16,7 @@ enum class Trouble {
     closed,           ///< the camera closed the connection
     insecure,         ///< no encrypted connection could be made
     not_vapix,        ///< what answers is not an Axis camera
-    not_a_picture,    ///< the answer is not an image
+    not_an_image,     ///< the answer is not an image
     too_large,        ///< an answer over its limit
     redirected,       ///< a redirection, which is not followed
     login_needed,     ///< login required, and none may be sent
@@ -28,11 +28,11 @@ enum class Trouble {
 
 class CameraError : public std::runtime_error {
 public:
-    CameraError(Trouble trouble, const std::string& text) : std::runtime_error(text), trouble_(trouble) {}
-    [[nodiscard]] Trouble trouble() const noexcept { return trouble_; }
+    CameraError(Failure kind, const std::string& text) : std::runtime_error(text), kind_(kind) {}
+    [[nodiscard]] Failure kind() const noexcept { return kind_; }
 
 private:
-    Trouble trouble_;
+    Failure kind_;
 };
 
 }  // namespace axis

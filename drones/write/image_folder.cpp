@@ -1,5 +1,5 @@
 // Writes each image whole, so that no reader sees a part of it; and chooses between folder and video.
-#include "picture_folder.hpp"
+#include "image_folder.hpp"
 
 #include "regular_file.hpp"
 #include "video_file.hpp"
@@ -30,18 +30,18 @@ void write_file(const fs::path& path, std::span<const unsigned char> bytes)
         throw std::system_error(problem, path.string());
 }
 
-std::string numbered(std::int64_t number, const std::string& ending)
+std::string numbered(std::int64_t number, const std::string& extension)
 {
     std::array<char, 32> name{};
     std::snprintf(name.data(), name.size(), "%08lld", static_cast<long long>(number));
-    return name.data() + ending;
+    return name.data() + extension;
 }
 
 bool is_numbered(const fs::path& name)
 {
-    const auto stem = name.stem().string(), ending = name.extension().string();
+    const auto stem = name.stem().string(), extension = name.extension().string();
     return stem.size() == 8 && stem.find_first_not_of("0123456789") == std::string::npos
-           && (ending == ".jpg" || ending == ".png");
+           && (extension == ".jpg" || extension == ".png");
 }
 
 /// Removes earlier images, which would mix with the new ones. Other files stay.
@@ -57,7 +57,7 @@ void remove_numbered(const fs::path& folder)
 
 }  // namespace
 
-void PictureFolder::begin()
+void ImageFolder::begin()
 {
     fs::create_directories(settings_.path);
     if (settings_.overwrite)
@@ -70,33 +70,33 @@ void PictureFolder::begin()
         refuse(table);
 }
 
-std::string PictureFolder::ending_for(const Picture& picture) const
+std::string ImageFolder::extension_for(const Image& image) const
 {
-    if (!picture.encoded.empty())
-        return picture.ending;
-    return picture.pixels.depth() == CV_16U || settings_.quality == 100 ? ".png" : ".jpg";
+    if (!image.encoded.empty())
+        return image.extension;
+    return image.pixels.depth() == CV_16U || settings_.quality == 100 ? ".png" : ".jpg";
 }
 
-void PictureFolder::add(const Picture& picture, std::chrono::microseconds time)
+void ImageFolder::add(const Image& image, std::chrono::microseconds time)
 {
     if (count_ == 0)
         begin();
-    const auto ending = ending_for(picture);
-    const auto name = numbered(++count_, ending);
+    const auto extension = extension_for(image);
+    const auto name = numbered(++count_, extension);
     const fs::path path = fs::path(settings_.path) / name;
-    if (!picture.encoded.empty()) {
-        write_file(path, picture.encoded);
+    if (!image.encoded.empty()) {
+        write_file(path, image.encoded);
     } else {
-        const hive::Body body = ending == ".png" ? hive::vision::encode_png(picture.pixels)
-                                                 : hive::vision::encode_jpeg(picture.pixels, settings_.quality);
+        const hive::Body body = extension == ".png" ? hive::vision::encode_png(image.pixels)
+                                                    : hive::vision::encode_jpeg(image.pixels, settings_.quality);
         write_file(path, {body.data(), body.size()});
     }
-    times_ << name << ',' << picture.sequence << ',' << time.count() << '\n';
+    times_ << name << ',' << image.sequence << ',' << time.count() << '\n';
     if (!times_.flush())
         refuse(fs::path(settings_.path) / "times.csv");
 }
 
-void PictureFolder::close() { times_.close(); }
+void ImageFolder::close() { times_.close(); }
 
 std::unique_ptr<Sink> open_sink(const Settings& settings)
 {
@@ -106,17 +106,17 @@ std::unique_ptr<Sink> open_sink(const Settings& settings)
         throw std::runtime_error(settings.path
                                  + ": unknown extension; use .mp4, .mov, .mkv or .avi, or NAME/ for an image folder");
     if (folder && fs::exists(path) && !fs::is_empty(path) && !settings.overwrite)
-        throw std::runtime_error(settings.path + " is not empty; write elsewhere, or overwrite it");
+        throw std::runtime_error(settings.path + " is not empty; choose another path, or set overwrite=on");
     if (!folder)
         require_regular_or_missing(path);
     if (!folder && fs::exists(path) && !settings.overwrite)
-        throw std::runtime_error(settings.path + " exists already; write elsewhere, or overwrite it");
+        throw std::runtime_error(settings.path + " exists already; choose another path, or set overwrite=on");
     const fs::path whole = fs::absolute(path).lexically_normal();
     const fs::path parent = (whole.has_filename() ? whole : whole.parent_path()).parent_path();
     if (!fs::is_directory(parent))
-        throw std::runtime_error("there is no folder " + parent.string());
+        throw std::runtime_error("no such folder: " + parent.string());
     if (folder)
-        return std::make_unique<PictureFolder>(settings);
+        return std::make_unique<ImageFolder>(settings);
     return std::make_unique<VideoFile>(settings);
 }
 

@@ -1,91 +1,92 @@
-// When a camera is tried again and what is said about it; the test tells the time.
-#include "lifeline.hpp"
+// When a camera is retried, and its condition; the test passes the time.
+#include "retry_policy.hpp"
 
 #include <doctest/doctest.h>
 
 using axis::CameraError;
-using axis::Lifeline;
-using axis::Trouble;
+using axis::Failure;
+using axis::RetryPolicy;
 using namespace std::chrono_literals;
 
 namespace {
 
-const Lifeline::Time start{1000s};
+const RetryPolicy::Time start{1000s};
 
 }  // namespace
 
-TEST_CASE("lifeline: a camera that answers wrongly is tried after 0.5 s, doubling to 10 s, anew after a picture")
+TEST_CASE("retry policy: a camera that answers wrongly is retried after 0.5 s, doubling to 10 s, reset by a frame")
 {
-    Lifeline line(start);
+    RetryPolicy line(start);
     CHECK(line.next_try() == start);
-    const CameraError wrong(Trouble::refused_status, "status 503");
+    const CameraError wrong(Failure::refused_status, "status 503");
     for (const auto pause : {500ms, 1000ms, 2000ms, 4000ms, 8000ms, 10000ms, 10000ms}) {
         line.failed(wrong, start);
         CHECK(line.next_try() == start + pause);
     }
-    line.picture(start);
+    line.frame(start);
     line.failed(wrong, start);
     CHECK(line.next_try() == start + 500ms);
 }
 
-TEST_CASE("lifeline: a camera that is not there or says nothing is tried every half second, so that it is found when "
-          "it is back")
+TEST_CASE(
+    "retry policy: a camera that is not there or says nothing is tried every half second, so that it is found when "
+    "it is back")
 {
-    Lifeline line(start);
+    RetryPolicy line(start);
     for (int i = 0; i < 5; ++i)
-        line.failed(CameraError(Trouble::refused_status, ""), start);
-    for (const auto trouble :
-         {Trouble::refused, Trouble::no_route, Trouble::no_answer, Trouble::silent, Trouble::refused}) {
-        line.failed(CameraError(trouble, ""), start);
+        line.failed(CameraError(Failure::refused_status, ""), start);
+    for (const auto kind :
+         {Failure::refused, Failure::no_route, Failure::no_answer, Failure::silent, Failure::refused}) {
+        line.failed(CameraError(kind, ""), start);
         CHECK(line.next_try() == start + 500ms);
     }
 }
 
-TEST_CASE("lifeline: a picture that is due for more than 2 s is a stall, which ends with the next picture")
+TEST_CASE("retry policy: a frame overdue by 2 s is a stall, which ends with the next frame")
 {
-    Lifeline line(start);
+    RetryPolicy line(start);
     CHECK(line.condition(start + 1h).empty());  // nothing was expected
     line.expect(start);
     CHECK(line.condition(start + 2000ms).empty());
     CHECK(line.condition(start + 2001ms) == "stalled");
-    line.picture(start + 3s);
+    line.frame(start + 3s);
     CHECK(line.condition(start + 3s).empty());
     line.expect(start + 4s);  // it is due since the last one
     CHECK(line.condition(start + 5500ms) == "stalled");
-    line.content();
+    line.expect_nothing();
     CHECK(line.condition(start + 1h).empty());
 }
 
-TEST_CASE("lifeline: a stall says so when pictures come that are not whole")
+TEST_CASE("retry policy: a stall reports incomplete frames")
 {
-    Lifeline line(start);
+    RetryPolicy line(start);
     line.expect(start);
     line.broken("it is cut short");
     CHECK(line.condition(start + 1s).empty());
     CHECK(line.condition(start + 3s) == "stalled: it is cut short");
-    line.failed(CameraError(Trouble::silent, "x"), start);
+    line.failed(CameraError(Failure::silent, "x"), start);
     CHECK(line.condition(start) == "stalled: it is cut short");
-    line.picture(start);
-    line.failed(CameraError(Trouble::silent, "x"), start);
+    line.frame(start);
+    line.failed(CameraError(Failure::silent, "x"), start);
     CHECK(line.condition(start) == "stalled");
 }
 
-TEST_CASE("lifeline: a failure is said until a picture comes, the newest first")
+TEST_CASE("retry policy: the newest failure is reported until a frame arrives")
 {
-    Lifeline line(start);
+    RetryPolicy line(start);
     line.expect(start);
-    line.failed(CameraError(Trouble::closed, "closed"), start);
+    line.failed(CameraError(Failure::closed, "closed"), start);
     CHECK(line.condition(start + 5s) == "closed");
-    line.failed(CameraError(Trouble::refused, "refused"), start);
+    line.failed(CameraError(Failure::refused, "refused"), start);
     CHECK(line.condition(start) == "refused");
-    line.picture(start);
+    line.frame(start);
     CHECK(line.condition(start).empty());
 }
 
-TEST_CASE("lifeline: a password is tried three times, then not until it changes")
+TEST_CASE("retry policy: a password is tried three times, then not until it changes")
 {
-    Lifeline line(start);
-    const CameraError wrong(Trouble::login_refused, "wrong password");
+    RetryPolicy line(start);
+    const CameraError wrong(Failure::login_refused, "wrong password");
     CHECK_FALSE(line.login_refused());
     line.failed(wrong, start);
     CHECK(line.login_refused());
@@ -100,21 +101,22 @@ TEST_CASE("lifeline: a password is tried three times, then not until it changes"
     CHECK(line.next_try() == start + 9s);
 }
 
-TEST_CASE("lifeline: a password that is tried no more is tried once more for each time that somebody wants it, and the "
-          "text says how")
+TEST_CASE(
+    "retry policy: a password that is tried no more is tried once more for each time that somebody wants it, and the "
+    "text says how")
 {
-    Lifeline line(start);
-    const CameraError wrong(Trouble::login_refused, "wrong password");
+    RetryPolicy line(start);
+    const CameraError wrong(Failure::login_refused, "wrong password");
     for (int i = 0; i < 2; ++i)
         line.failed(wrong, start);
-    line.once_more(start + 9s);
+    line.retry_once(start + 9s);
     CHECK(line.next_try() < start + 9s);  // it is being tried anyway
     line.failed(wrong, start);
     CHECK(line.condition(start)
           == "auth_failed: wrong password; to retry, touch the credentials file or set credentials again, even to the "
              "same path");
     for (const auto now : {start + 9s, start + 99s}) {
-        line.once_more(now);
+        line.retry_once(now);
         CHECK_FALSE(line.locked_out());
         CHECK(line.login_refused());
         CHECK(line.next_try() == now);
@@ -123,26 +125,26 @@ TEST_CASE("lifeline: a password that is tried no more is tried once more for eac
     }
 }
 
-TEST_CASE("lifeline: other failures between do not give a password more tries, a picture does")
+TEST_CASE("retry policy: other failures in between do not reset the password attempts, a frame does")
 {
-    Lifeline line(start);
-    const CameraError wrong(Trouble::login_refused, "wrong"), lost(Trouble::closed, "lost");
+    RetryPolicy line(start);
+    const CameraError wrong(Failure::login_refused, "wrong"), lost(Failure::closed, "lost");
     for (const auto* error : {&wrong, &lost, &wrong, &lost, &wrong})
         line.failed(*error, start);
     CHECK(line.locked_out());
-    Lifeline other(start);
+    RetryPolicy other(start);
     other.failed(wrong, start);
     other.failed(wrong, start);
-    other.picture(start);
+    other.frame(start);
     other.failed(wrong, start);
     CHECK_FALSE(other.locked_out());
 }
 
-TEST_CASE("lifeline: a login that is missing is a failed authentication, but nothing that locks out")
+TEST_CASE("retry policy: a login that is missing is a failed authentication, but nothing that locks out")
 {
-    Lifeline line(start);
+    RetryPolicy line(start);
     for (int i = 0; i < 9; ++i)
-        line.failed(CameraError(Trouble::login_needed, "set credentials"), start);
+        line.failed(CameraError(Failure::login_needed, "set credentials"), start);
     CHECK_FALSE(line.locked_out());
     CHECK(line.condition(start) == "auth_failed: set credentials");
     CHECK(line.next_try() == start + 10s);

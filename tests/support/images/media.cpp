@@ -25,7 +25,7 @@ std::optional<fs::path> shared(const std::string& name)
     return std::nullopt;
 }
 
-std::vector<fs::path> pictures(const std::vector<std::string>& suffixes)
+std::vector<fs::path> images(const std::vector<std::string>& suffixes)
 {
     std::vector<fs::path> found;
     if (const auto folder = shared("media"))
@@ -60,21 +60,21 @@ void write(const fs::path& path, const Bytes& bytes)
 cv::Mat sample(cv::Size size, int type, int seed)
 {
     cv::RNG random(static_cast<std::uint64_t>(seed));
-    cv::Mat cells(5, 6, CV_8UC(CV_MAT_CN(type))), picture, grain(size, CV_8UC(CV_MAT_CN(type)));
+    cv::Mat cells(5, 6, CV_8UC(CV_MAT_CN(type))), image, grain(size, CV_8UC(CV_MAT_CN(type)));
     random.fill(cells, cv::RNG::UNIFORM, 0, 200);
-    cv::resize(cells, picture, size, 0, 0, cv::INTER_CUBIC);
-    cv::circle(picture, {size.width / 2, size.height / 2}, size.height / 3, cv::Scalar(250, 20, 90), 3);
+    cv::resize(cells, image, size, 0, 0, cv::INTER_CUBIC);
+    cv::circle(image, {size.width / 2, size.height / 2}, size.height / 3, cv::Scalar(250, 20, 90), 3);
     random.fill(grain, cv::RNG::UNIFORM, 0, 30);
-    picture += grain;
+    image += grain;
     if (CV_MAT_DEPTH(type) == CV_16U)
-        picture.convertTo(picture, CV_16U, 257);
-    return picture;
+        image.convertTo(image, CV_16U, 257);
+    return image;
 }
 
-Bytes encoded(const char* suffix, const cv::Mat& picture, const std::vector<int>& options)
+Bytes encoded(const char* suffix, const cv::Mat& image, const std::vector<int>& options)
 {
     Bytes bytes;
-    REQUIRE(cv::imencode(suffix, picture, bytes, options));
+    REQUIRE(cv::imencode(suffix, image, bytes, options));
     return bytes;
 }
 

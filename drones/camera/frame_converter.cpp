@@ -1,10 +1,10 @@
 // With libswscale, as OpenCV's VideoCapture does it, so that the pixels are the same.
-#include "frame_pictures.hpp"
+#include "frame_converter.hpp"
 
 namespace camera {
 namespace {
 
-/// libswscale works on blocks of pixels: in narrower rows it leaves out the last columns, or writes past the end.
+/// libswscale works on blocks of pixels: in narrower rows it omits the last columns, or writes past the end.
 constexpr int block = 16;
 
 cv::Mat padded(cv::Size size)
@@ -15,7 +15,7 @@ cv::Mat padded(cv::Size size)
 
 }  // namespace
 
-cv::Mat FramePictures::picture(const AVFrame& frame, int quarter_turns)
+cv::Mat FrameConverter::image(const AVFrame& frame, int quarter_turns)
 {
     const cv::Size size(frame.width, frame.height);
     cv::Mat result;
@@ -28,7 +28,7 @@ cv::Mat FramePictures::picture(const AVFrame& frame, int quarter_turns)
                                        static_cast<AVPixelFormat>(frame.format), size.width, size.height,
                                        AV_PIX_FMT_BGR24, SWS_BICUBIC, nullptr, nullptr, nullptr));
     if (!scaler_)
-        throw std::runtime_error("its pictures cannot be converted");
+        throw std::runtime_error("its images cannot be converted");
     std::uint8_t* const rows[] = {target.data};
     const int strides[] = {static_cast<int>(target.step)};
     sws_scale(scaler_.get(), frame.data, frame.linesize, 0, size.height, rows, strides);

@@ -9,21 +9,21 @@ namespace writing {
 
 /// Files 00000001.jpg and so on. JPEG and PNG files are written unchanged; images of 16 bits, and raw ones at quality
 /// 100, as PNG; the rest as JPEG. `times.csv` has the time of each.
-class PictureFolder final : public Sink {
+class ImageFolder final : public Sink {
 public:
-    explicit PictureFolder(Settings settings) : settings_(std::move(settings)) {}
+    explicit ImageFolder(Settings settings) : settings_(std::move(settings)) {}
 
-    void add(const Picture& picture, std::chrono::microseconds time) override;
+    void add(const Image& image, std::chrono::microseconds time) override;
     void close() override;
-    [[nodiscard]] bool takes_encoded(const std::string& ending) const override
+    [[nodiscard]] bool takes_encoded(const std::string& extension) const override
     {
-        return ending == ".jpg" || ending == ".png";
+        return extension == ".jpg" || extension == ".png";
     }
     [[nodiscard]] std::string encoder() const override { return count_ > 0 ? "pictures" : ""; }
 
 private:
     void begin();
-    [[nodiscard]] std::string ending_for(const Picture& picture) const;
+    [[nodiscard]] std::string extension_for(const Image& image) const;
 
     Settings settings_;
     std::ofstream times_;

@@ -1,5 +1,5 @@
 // Does each step on first use, and only once.
-#include "picture.hpp"
+#include "image.hpp"
 
 #include <hive/vision/image.hpp>
 
@@ -9,16 +9,16 @@
 namespace view {
 namespace {
 
-Jpeg encode(const cv::Mat& picture, int quality)
+Jpeg encode(const cv::Mat& image, int quality)
 {
-    const hive::Body jpeg = hive::vision::encode_jpeg(picture, quality);
+    const hive::Body jpeg = hive::vision::encode_jpeg(image, quality);
     return std::make_shared<std::vector<unsigned char>>(jpeg.data(), jpeg.data() + jpeg.size());
 }
 
 }  // namespace
 
 /// The received image, decoded at most once, even if that fails.
-class Picture::Source {
+class Image::Source {
 public:
     explicit Source(Content content) : jpeg(std::move(content.jpeg)), decode_(std::move(content.pixels)) {}
 
@@ -45,51 +45,50 @@ private:
     std::exception_ptr problem_;
 };
 
-Picture::Picture(Origin origin, Content content, Look look)
-    : Picture(std::move(origin), std::make_shared<Source>(std::move(content)), look)
+Image::Image(Origin origin, Content content, Look look)
+    : Image(std::move(origin), std::make_shared<Source>(std::move(content)), look)
 {
 }
 
-Picture::Picture(Origin origin, std::shared_ptr<Source> source, Look look)
+Image::Image(Origin origin, std::shared_ptr<Source> source, Look look)
     : origin_(std::move(origin)), source_(std::move(source)), look_(look)
 {
 }
 
-std::shared_ptr<const Picture> Picture::captioned_anew() const
+std::shared_ptr<const Image> Image::recaptioned() const
 {
     if (!look_.overlay)
         return nullptr;
     Origin origin = origin_;
     origin.rate = 0;
-    return std::shared_ptr<const Picture>(new Picture(std::move(origin), source_, look_));
+    return std::shared_ptr<const Image>(new Image(std::move(origin), source_, look_));
 }
 
-std::shared_ptr<const Picture> Picture::of_notice(const std::string& text)
+std::shared_ptr<const Image> Image::of_notice(const std::string& text)
 {
-    return std::make_shared<Picture>(Origin{}, Content{[text] { return notice(text); }, nullptr},
-                                     Look{.overlay = false});
+    return std::make_shared<Image>(Origin{}, Content{[text] { return notice(text); }, nullptr}, Look{.overlay = false});
 }
 
-const cv::Mat& Picture::shown() const
+const cv::Mat& Image::shown() const
 {
     std::call_once(drawn_once_, [this] { drawn_ = make_shown(); });
     return drawn_;
 }
 
-const Jpeg& Picture::jpeg() const
+const Jpeg& Image::jpeg() const
 {
     std::call_once(encoded_once_, [this] { encoded_ = make_jpeg(); });
     return encoded_;
 }
 
-const Jpeg& Picture::plain_jpeg() const
+const Jpeg& Image::plain_jpeg() const
 {
     std::call_once(plain_once_, [this] { plain_ = look_.overlay ? make_plain_jpeg() : jpeg(); });
     return plain_;
 }
 
 /// Viewers get a notice instead of a damaged image.
-cv::Mat Picture::make_shown() const
+cv::Mat Image::make_shown() const
 try {
     const cv::Mat& pixels = source_->pixels();
     return look_.overlay ? with_caption(pixels, caption(origin_, std::chrono::system_clock::now())) : pixels;
@@ -98,14 +97,14 @@ try {
 }
 
 /// An image whose sides are longer than a JPEG's may be cannot be encoded.
-Jpeg Picture::make_jpeg() const
+Jpeg Image::make_jpeg() const
 try {
     return source_->jpeg && !look_.overlay ? source_->jpeg : encode(shown(), look_.quality);
 } catch (const std::exception& error) {
     return encode(notice(error.what()), look_.quality);
 }
 
-Jpeg Picture::make_plain_jpeg() const
+Jpeg Image::make_plain_jpeg() const
 try {
     return source_->jpeg ? source_->jpeg : encode(source_->pixels(), look_.quality);
 } catch (const std::exception& error) {

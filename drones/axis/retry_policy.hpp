@@ -2,7 +2,7 @@
 // passes the time.
 #pragma once
 
-#include "trouble.hpp"
+#include "camera_error.hpp"
 
 #include <hive/backoff.hpp>
 
@@ -12,7 +12,7 @@
 
 namespace axis {
 
-class Lifeline {
+class RetryPolicy {
 public:
     using Clock = std::chrono::steady_clock;
     using Time = Clock::time_point;
@@ -23,41 +23,41 @@ public:
     /// nothing, and it is found soon after it is back.
     static constexpr std::chrono::milliseconds shortest{500}, longest{10'000};
     /// Maximum attempts with a password; cameras lock out users who fail more often.
-    static constexpr int most_logins = 3;
+    static constexpr int max_logins = 3;
 
-    explicit Lifeline(Time now) : next_try_(now) {}
+    explicit RetryPolicy(Time now) : next_try_(now) {}
 
     /// An image is due from now on.
     void expect(Time now);
     /// A complete image has arrived.
-    void picture(Time now);
+    void frame(Time now);
     /// Nothing is due, and all is well.
-    void content();
+    void expect_nothing();
     /// Something other than a complete image has arrived.
     void broken(const std::string& reason) { broken_ = reason; }
     void failed(const CameraError& error, Time now);
     /// There are new credentials to try.
     void new_credentials(Time now);
     /// Allows one more attempt with the same ones, because cameras count. No effect unless locked out.
-    void once_more(Time now);
+    void retry_once(Time now);
 
     [[nodiscard]] Time next_try() const { return next_try_; }
     /// The password was wrong at the last attempt.
     [[nodiscard]] bool login_refused() const { return logins_ > 0; }
     /// It was wrong so often that it is not retried.
-    [[nodiscard]] bool locked_out() const { return logins_ >= most_logins; }
+    [[nodiscard]] bool locked_out() const { return logins_ >= max_logins; }
     /// Empty if all is well; otherwise one sentence, which starts with "stalled" or "auth_failed" in these two cases.
     [[nodiscard]] std::string condition(Time now) const;
 
 private:
-    void well();
-    [[nodiscard]] std::string told(const CameraError& error) const;
+    void reset_failures();
+    [[nodiscard]] std::string message_of(const CameraError& error) const;
 
     Time next_try_;
     hive::Backoff backoff_{shortest, longest};
     int logins_ = 0;
     std::optional<Time> due_since_;
-    std::string trouble_, broken_;
+    std::string last_error_, broken_;
 };
 
 }  // namespace axis

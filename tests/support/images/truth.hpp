@@ -19,7 +19,7 @@ struct TrueBox {
     cv::Rect2d box;
 };
 
-/// The boxes by picture, from 1. The first line is a heading, each other one `picture,id,x,y,w,h` in px.
+/// The boxes by image, from 1. The first line is a heading, each other one `picture,id,x,y,w,h` in px.
 inline std::map<int, std::vector<TrueBox>> ground_truth(const std::filesystem::path& path)
 {
     std::map<int, std::vector<TrueBox>> boxes;
@@ -29,10 +29,10 @@ inline std::map<int, std::vector<TrueBox>> ground_truth(const std::filesystem::p
     while (std::getline(file, line)) {
         std::ranges::replace(line, ',', ' ');
         std::istringstream fields(line);
-        int picture = 0;
+        int image = 0;
         TrueBox one{};
-        if (fields >> picture >> one.id >> one.box.x >> one.box.y >> one.box.width >> one.box.height)
-            boxes[picture].push_back(one);
+        if (fields >> image >> one.id >> one.box.x >> one.box.y >> one.box.width >> one.box.height)
+            boxes[image].push_back(one);
     }
     return boxes;
 }

@@ -13,7 +13,7 @@ namespace view {
 using Jpeg = std::shared_ptr<const std::vector<unsigned char>>;
 
 /// For any thread; the first caller does the work.
-class Picture {
+class Image {
 public:
     struct Content {
         std::function<cv::Mat()>
@@ -25,12 +25,12 @@ public:
         int quality = 80;     ///< 1 to 100, of JPEGs encoded here
     };
 
-    Picture(Origin origin, Content content, Look look);
+    Image(Origin origin, Content content, Look look);
     /// The notice until there is an image.
-    static std::shared_ptr<const Picture> of_notice(const std::string& text);
+    static std::shared_ptr<const Image> of_notice(const std::string& text);
 
     /// The same pixels, to be captioned at the next request, without the outdated rate. Nothing if it has no caption.
-    [[nodiscard]] std::shared_ptr<const Picture> captioned_anew() const;
+    [[nodiscard]] std::shared_ptr<const Image> recaptioned() const;
 
     [[nodiscard]] const Origin& origin() const noexcept { return origin_; }
     /// The pixels to show; not to be written to.
@@ -42,7 +42,7 @@ public:
 private:
     class Source;
 
-    Picture(Origin origin, std::shared_ptr<Source> source, Look look);
+    Image(Origin origin, std::shared_ptr<Source> source, Look look);
     [[nodiscard]] cv::Mat make_shown() const;
     [[nodiscard]] Jpeg make_jpeg() const;
     [[nodiscard]] Jpeg make_plain_jpeg() const;

@@ -21,7 +21,7 @@ using Bytes = std::vector<unsigned char>;
 std::optional<std::filesystem::path> shared(const std::string& name);
 /// The files of the media folder with one of these suffixes, sorted; empty without one, and then the test case counts
 /// as skipped.
-std::vector<std::filesystem::path> pictures(const std::vector<std::string>& suffixes);
+std::vector<std::filesystem::path> images(const std::vector<std::string>& suffixes);
 std::vector<cv::Rect2d> boxes(const std::vector<TrueBox>& things);
 Bytes read(const std::filesystem::path& path);
 void write(const std::filesystem::path& path, const Bytes& bytes);
@@ -29,7 +29,7 @@ void write(const std::filesystem::path& path, const Bytes& bytes);
 /// An image with gradients, edges and grain.
 cv::Mat sample(cv::Size size, int type, int seed = 1);
 /// Encoded by OpenCV.
-Bytes encoded(const char* suffix, const cv::Mat& picture, const std::vector<int>& options = {});
+Bytes encoded(const char* suffix, const cv::Mat& image, const std::vector<int>& options = {});
 bool same(const cv::Mat& a, const cv::Mat& b);
 
 /// A temporary folder, removed with the object.
