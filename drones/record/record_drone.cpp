@@ -335,8 +335,8 @@ void RecordDrone::say()
     if (!writer_->failure().empty())
         return drone_.condition(failure_text() + "; set file=" + next_free::after(folder_, writes_));
     const std::string continues = opened_.around            ? "recording " + writes_
-                                : writes_ == opened_.file ? ""
-                                                          : "continuing in " + writes_;
+                                  : writes_ == opened_.file ? ""
+                                                            : "continuing in " + writes_;
     drone_.condition(writer_->ended().empty() ? continues : "ended: " + writer_->ended());
 }
 

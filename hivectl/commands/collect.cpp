@@ -86,7 +86,7 @@ int run(const Options& options, Session& session)
     const int code = print_lines({.verb = "collect",
                                   .count = options.count,
                                   .patience = session.patience(),
-                                  .reason = [&] { return reason_for_silence(application, outputs); },
+                                  .reason = [&] { return silence_reason(application, outputs); },
                                   .ended = [&] { return options.stay ? std::nullopt : collector->ended(); },
                                   .what = names_text(texts_of(outputs)),
                                   .silence = [&] { report_silence("collect", application, outputs); }},

@@ -41,7 +41,7 @@ std::vector<std::string> drones_meant(const Options& options, hive::Application&
 }
 
 /// The only swarm that was brought up from here, if there is exactly one.
-std::string usual_swarm(hive::Application& application)
+std::string only_swarm(hive::Application& application)
 {
     const auto plans = hive::Swarm::remembered(application);
     return plans.size() == 1 ? plans.front().name : "swarm";
@@ -51,7 +51,7 @@ hive::SwarmPlan running_plan(const Options& options, Session& session, Outcome& 
 {
     auto& application = session.application();
     const auto names = drones_meant(options, application, outcome);
-    const auto name = options.swarm.empty() ? usual_swarm(application) : options.swarm;
+    const auto name = options.swarm.empty() ? only_swarm(application) : options.swarm;
     return hive::Swarm::running(application, name, names);
 }
 

@@ -114,7 +114,7 @@ int read_there(const hive::Place& place, const Options& options, Session& sessio
     const auto result = remote.hivectl(words, session.timeout() + 12s);
     waiting.reset();
     write_out(result.out);
-    repeat_complaints("logs", remote.host(), result.err);
+    relay_errors("logs", remote.host(), result.err);
     return result.exit_code;
 }
 

@@ -178,7 +178,7 @@ int run(const Options& options, Session& session)
         Progress progress(application, false);
         Waiting waiting(names_text(texts_of(outputs)));
         return take_events(*collector, writer, progress, waiting, options, session.patience(),
-                           [&] { return reason_for_silence(application, outputs); });
+                           [&] { return silence_reason(application, outputs); });
     }();
     note_losses(application, *collector, writer);
     take_rest(*collector, writer);

@@ -96,7 +96,7 @@ int run(const Options& options, Session& session)
         return print_lines({.verb = "results",
                             .count = options.count,
                             .patience = session.patience(),
-                            .reason = [&] { return reason_for_silence(application, outputs); },
+                            .reason = [&] { return silence_reason(application, outputs); },
                             .ended = [&] { return options.stay ? std::nullopt : collector->ended(); },
                             .what = names_text(texts_of(outputs)),
                             .silence = [&] { look_why(options, application, outputs); }},

@@ -38,7 +38,7 @@ int set_there(const hive::Place& place, const Options& options, Session& session
     words.insert(words.end(), options.settings.begin(), options.settings.end());
     const auto result = remote.hivectl(words, limit + 12s);
     write_out(result.out);
-    repeat_complaints("set", remote.host(), result.err);
+    relay_errors("set", remote.host(), result.err);
     return result.exit_code;
 }
 

@@ -52,7 +52,7 @@ hive::Event next_event(const hive::Endpoint& output, const std::string& file, Se
                           "start its source again");
     if (!event)
         throw hive::Error(hive::Errc::timeout, to_text(output) + " sent nothing in time",
-                          reason_for_silence(session.application(), {output}));
+                          silence_reason(session.application(), {output}));
     if (event->body.empty())
         throw hive::Error(hive::Errc::not_found, to_text(output) + " sends events without a body",
                           "read them: hivectl results " + to_text(output));

@@ -141,7 +141,7 @@ void Pictures::Source::receive()
         auto next = collector->next(patience);
         const auto now = std::chrono::steady_clock::now();
         if (!next && now - last > silence)
-            report(reason_for_silence(application, {output}));
+            report(silence_reason(application, {output}));
         if (!next && now - last <= silence)
             continue;
         last = now;

@@ -20,13 +20,13 @@ int stop_remotely(Session& session, const hive::Place& place)
     const hive::Remote remote(place.ssh, session.home());
     const Waiting waiting(place.drone + " to exit on " + remote.host());
     const auto result = remote.hivectl({"stop", place.drone}, session.timeout() + 12s);
-    repeat_complaints("stop", remote.host(), result.err);
+    relay_errors("stop", remote.host(), result.err);
     if (result.exit_code == exit_code::done || result.exit_code == exit_code::not_found)
         session.application().forget_place(place);
     return result.exit_code;
 }
 
-void repeat_complaints(std::string_view verb, const std::string& host, const std::string& text)
+void relay_errors(std::string_view verb, const std::string& host, const std::string& text)
 {
     const std::string own = "hivectl " + std::string(verb) + ": ";
     std::istringstream lines(text);

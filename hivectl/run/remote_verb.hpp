@@ -14,6 +14,6 @@ class Session;
 /// the exit code of hivectl there.
 int stop_remotely(Session& session, const hive::Place& place);
 /// Prints lines of another machine's stderr, each after the machine's name and without the prefix of hivectl.
-void repeat_complaints(std::string_view verb, const std::string& host, const std::string& text);
+void relay_errors(std::string_view verb, const std::string& host, const std::string& text);
 
 }  // namespace hivectl

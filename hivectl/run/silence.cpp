@@ -12,7 +12,7 @@ hive::Explanation explain_silence(hive::Application& application, const std::vec
     return hive::explain(application, outputs);
 }
 
-std::string reason_for_silence(hive::Application& application, const std::vector<hive::Endpoint>& outputs)
+std::string silence_reason(hive::Application& application, const std::vector<hive::Endpoint>& outputs)
 {
     const auto text = to_text(explain_silence(application, outputs));
     return text.empty() ? "see what is connected: hivectl connections" : text;

@@ -12,7 +12,7 @@ namespace hivectl {
 hive::Explanation explain_silence(hive::Application& application, const std::vector<hive::Endpoint>& outputs);
 
 /// As a sentence: "camera has halted; try: hivectl resume camera", or where to look if no cause is found.
-std::string reason_for_silence(hive::Application& application, const std::vector<hive::Endpoint>& outputs);
+std::string silence_reason(hive::Application& application, const std::vector<hive::Endpoint>& outputs);
 
 /// Prints on stderr what blocks the outputs, if anything does.
 void report_silence(const std::string& verb, hive::Application& application,

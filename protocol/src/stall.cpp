@@ -50,7 +50,7 @@ bool quiet(const Status& status, const OutputStatus& output)
 }
 
 /// Receivers of exceptions are optional, and a drone that processes inputs may have outputs that no receiver needs.
-bool may_be_left_alone(const Status& status, const OutputStatus& output)
+bool is_optional(const Status& status, const OutputStatus& output)
 {
     const auto left_alone = [](const OutputStatus& other) {
         return other.name == "exceptions" || other.why == Reason::no_receiver || other.why == Reason::watched;
@@ -97,7 +97,7 @@ std::string_view sentence(Reason reason) noexcept
 bool stalls(const Status& status, const OutputStatus& output)
 {
     return output.why != Reason::none && output.why != Reason::source_ended && quiet(status, output)
-           && !may_be_left_alone(status, output);
+           && !is_optional(status, output);
 }
 
 std::string stall_text(const Status& status)

@@ -17,12 +17,12 @@ constexpr int most_first_attempts = 3;  // of packets that a bad network loses, 
 constexpr auto short_break = 10s;  // after a loss retries are frequent for this long: most networks are back by then
 constexpr auto patience_in_break = 600ms;  // for one attempt to dial then, plus six round trips
 constexpr auto pause_after_refusal = 1s;   // the sender is up, and would refuse again
-constexpr auto patience_to_leave = 30s;    // for work in progress at a stop
+constexpr auto leave_timeout = 30s;        // for work in progress at a stop
 constexpr auto lost_for_good = 30s;        // a sender lost for longer does not delay the end
 constexpr auto others_work = 2s;           // the same for a group's member, whom the others replace
 
 /// A socket file belongs to the drone of its name; a port may belong to another drone by now.
-std::optional<Error> met_another(const IntakeSpec& spec, const Link& link)
+std::optional<Error> wrong_peer(const IntakeSpec& spec, const Link& link)
 {
     if (spec.address.scheme != transport::Address::Scheme::tcp || link.peer().name == spec.sender)
         return std::nullopt;
@@ -99,7 +99,7 @@ void Intake::attempt()
         const auto link = value_or_none(found);
         if (!link)
             self->failed(*error_of(found));
-        else if (const auto wrong = met_another(self->spec_, *link))
+        else if (const auto wrong = wrong_peer(self->spec_, *link))
             self->failed(*wrong);
         else
             self->register_on(link, self->lost_ ? Clock::now() + patience : deadline);
@@ -234,7 +234,7 @@ void Intake::stop(std::function<void()> left)
         first(Error(Errc::stopped, spec_.receiver + ": this connection was replaced or ended before it was made"));
     module_.look_at_ends();  // it will not answer any more
     if (connected_ && !progress_.empty()) {
-        timer_.run_after(patience_to_leave, [weak = weak_from_this()] {
+        timer_.run_after(leave_timeout, [weak = weak_from_this()] {
             if (const auto self = weak.lock())
                 self->leave_now();
         });

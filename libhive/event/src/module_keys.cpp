@@ -41,10 +41,10 @@ void Module::recheck_keys()
         if (!options_.keys->accepts(key, role))
             link->close(Error(Errc::not_permitted, "the swarm key " + key + " has expired"));
     }
-    if (options_.keys && options_.keys->trouble() != keys_trouble_) {
-        keys_trouble_ = options_.keys->trouble();
-        if (!keys_trouble_.empty())
-            log(LogLevel::warning, keys_trouble_ + "; the known keys stay valid");
+    if (options_.keys && options_.keys->trouble() != keys_error_) {
+        keys_error_ = options_.keys->trouble();
+        if (!keys_error_.empty())
+            log(LogLevel::warning, keys_error_ + "; the known keys stay valid");
     }
     if (needed)
         watch_keys();

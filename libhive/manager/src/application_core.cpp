@@ -59,7 +59,7 @@ Error named(const std::string& drone, const Error& error)
     return error.reworded(text.starts_with(drone) ? text : drone + ": " + text);
 }
 
-std::optional<Error> met_another(const Place& place, const event::Link& link)
+std::optional<Error> wrong_peer(const Place& place, const event::Link& link)
 {
     if (is_here(place) || link.peer().name == place.drone)
         return std::nullopt;
@@ -172,7 +172,7 @@ void Application::Core::begin(const std::shared_ptr<Asking>& asking)
                          const auto link = value_or_none(found);
                          if (!link) {
                              *asking->reply = *error_of(found);
-                         } else if (auto wrong = met_another(asking->place, *link)) {
+                         } else if (auto wrong = wrong_peer(asking->place, *link)) {
                              *asking->reply = *std::move(wrong);
                          } else {
                              asking->header["deadline_ms"] = deadline_ms_before(asking->until);

@@ -16,7 +16,7 @@ namespace hive {
 /// The error of a drone, with the drone's name.
 Error named(const std::string& drone, const Error& error);
 /// An error if the peer at a place is another drone: a port may have been reused.
-std::optional<Error> met_another(const Place& place, const event::Link& link);
+std::optional<Error> wrong_peer(const Place& place, const event::Link& link);
 
 class Application::Core {
 public:

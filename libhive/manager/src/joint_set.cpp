@@ -81,7 +81,7 @@ void JointSet::prepare(const PartPtr& part, const Place& place)
                           if (part->over)
                               return;  // this object may be destroyed
                           const auto link = value_or_none(found);
-                          const auto wrong = link ? met_another(place, *link) : std::optional(*error_of(found));
+                          const auto wrong = link ? wrong_peer(place, *link) : std::optional(*error_of(found));
                           if (wrong)
                               part->prepared = *wrong;
                           else

@@ -22,7 +22,7 @@ Predecessor predecessor(Application& application, const event::Home& home, const
     return before;
 }
 
-void require_forgettable(const Predecessor& before, const DroneOrder& order)
+void require_stateless(const Predecessor& before, const DroneOrder& order)
 {
     if (before.interface.stateful && !order.lose_state)
         throw Error(Errc::refused, before.status.name + " keeps state, which the new process would not have",
@@ -55,7 +55,7 @@ void make_fit(Application& application, DroneOrder& order)
     for (const auto& [name, value] : order.set.items())
         before.parameters.erase(name);
     require_fit(application, before, interface_of(order.kind));
-    require_forgettable(before, order);
+    require_stateless(before, order);
     if (home.succession(order.name))
         throw Error(Errc::name_taken, order.name + " is being replaced already");
 }

@@ -1,6 +1,6 @@
 // Connects by sending each receiver the output at which it is to register, and its addresses; to all at once.
 #include "application_core.hpp"
-#include "fitting_ports.hpp"
+#include "match_ports.hpp"
 
 #include <hive/name.hpp>
 #include <hive/protocol/requests.hpp>
@@ -128,7 +128,7 @@ std::vector<ConnectAnswer> Application::Core::connect(const std::vector<SwarmCon
             made.push_back({sender, receiver, std::nullopt});
             const auto from = interface_from_json(answer_of(interfaces, sender.drone)),
                        to = interface_from_json(answer_of(interfaces, receiver.drone));
-            const auto [output, input] = fitting_ports(sender, from, receiver, to);
+            const auto [output, input] = match_ports(sender, from, receiver, to);
             if (to.stateful && !options.group.empty())
                 throw sharing_refused(receiver.drone);
             made.back().sender.port = output->name;

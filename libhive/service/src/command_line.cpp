@@ -125,7 +125,7 @@ void check(DroneSettings& settings, const Words& words)
     settings.listen = {settings.listen.listen, settings.listen.advertise, order.insecure, order.key, order.no_announce};
     require_advertisable(settings.listen);
     settings.parameters = parameters_from(words.assignments);
-    settings.connections = service::connections_from(words.connections);
+    settings.connections = service::parse_connects(words.connections);
     settings.expected = service::expected_from(words.expected);
     if (words.take_over_s > 0)
         settings.take_over =

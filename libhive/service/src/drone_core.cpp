@@ -293,7 +293,7 @@ void DroneCore::hand_over()
     mailbox_.discard(event::came_to_member);
     mailbox_.nudge();
     if (settings_.ends_process)
-        last_grace_.begin(running_->home.path(self_.name, ".sock"), service::LastGrace::length_to_hand_over);
+        last_grace_.begin(running_->home.path(self_.name, ".sock"), service::ShutdownWatchdog::length_to_hand_over);
 }
 
 Json DroneCore::left_state(const event::Home& home) const

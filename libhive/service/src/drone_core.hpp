@@ -2,7 +2,7 @@
 #pragma once
 
 #include "emitter.hpp"
-#include "last_grace.hpp"
+#include "shutdown_watchdog.hpp"
 #include "listening.hpp"
 #include "reporter.hpp"
 #include "status_board.hpp"
@@ -78,7 +78,7 @@ private:
     void hand_over();
     void ended();
 
-    service::LastGrace last_grace_;
+    service::ShutdownWatchdog last_grace_;
     DroneSettings settings_;
     protocol::Hello self_;  ///< its epoch is final when the module is created
     service::StatusBoard board_;

@@ -19,7 +19,7 @@ DroneSettings settings_of(const DroneProgram& program, EmbeddedOptions options)
     settings.order.halted = options.halted;
     settings.order.remote_operator = options.remote_operator;
     settings.parameters = std::move(options.parameters);
-    settings.connections = service::connections_from(options.connect);
+    settings.connections = service::parse_connects(options.connect);
     if (options.policy)
         settings.order.on_exception = token(*options.policy);
     settings.signals = options.signals;

@@ -1,7 +1,7 @@
 // Asks the running drone to hand over, and waits until the kernel frees the name.
 #include "succession.hpp"
 
-#include "last_grace.hpp"
+#include "shutdown_watchdog.hpp"
 
 namespace hive::service {
 namespace {
@@ -9,8 +9,8 @@ namespace {
 using event::Clock;
 using namespace std::chrono_literals;
 
-constexpr auto patience_to_ask = 5s;
-constexpr auto patience_for_name = LastGrace::length_to_hand_over + 5s;
+constexpr auto ask_timeout = 5s;
+constexpr auto name_timeout = ShutdownWatchdog::length_to_hand_over + 5s;
 
 /// A drone that has ended, or ends before it answers, frees the name too.
 bool is_refusal(const Error& error)
@@ -23,7 +23,7 @@ bool is_refusal(const Error& error)
 Json ask_to_hand_over(event::Module& module, const event::Home& home)
 {
     const auto outcome = std::make_shared<std::optional<event::Outcome>>();
-    const auto deadline = Clock::now() + patience_to_ask;
+    const auto deadline = Clock::now() + ask_timeout;
     module.post([&module, address = home.address(module.self().name), deadline, outcome] {
         module.request(address, protocol::PacketType::stop, Json{{"successor", true}}, {}, deadline,
                        [outcome](const event::Outcome& told) { *outcome = told; });
@@ -41,7 +41,7 @@ Json ask_to_hand_over(event::Module& module, const event::Home& home)
 void await_name(event::Module& module, const event::Home& home, std::optional<event::NameClaim>& claim)
 {
     const auto& name = module.self().name;
-    const auto until = Clock::now() + patience_for_name;
+    const auto until = Clock::now() + name_timeout;
     while (!claim)
         try {
             if (Clock::now() < until && home.alive(name))

@@ -58,7 +58,7 @@ void settle(Connect& connect, const Interface& interface, const std::string& sel
 
 }  // namespace
 
-std::vector<Connect> connections_from(const std::vector<std::string>& words)
+std::vector<Connect> parse_connects(const std::vector<std::string>& words)
 {
     std::vector<Connect> connections;
     for (const auto& word : words)

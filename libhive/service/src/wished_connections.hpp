@@ -10,7 +10,7 @@
 namespace hive::service {
 
 /// Reads the arguments of --connect. Throws Errc::invalid_argument for a syntax error.
-std::vector<protocol::Connect> connections_from(const std::vector<std::string>& words);
+std::vector<protocol::Connect> parse_connects(const std::vector<std::string>& words);
 
 /// The same for --expect.
 std::vector<protocol::Expect> expected_from(const std::vector<std::string>& words);

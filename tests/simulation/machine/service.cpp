@@ -2,7 +2,7 @@
 #include "world.hpp"
 
 #include "command_line.hpp"
-#include "last_grace.hpp"
+#include "shutdown_watchdog.hpp"
 #include "log_line.hpp"
 
 namespace hive::service {
@@ -10,7 +10,7 @@ namespace hive::service {
 using simulation::world;
 
 /// Its code always returns.
-void LastGrace::begin(const std::filesystem::path&, std::chrono::seconds) {}
+void ShutdownWatchdog::begin(const std::filesystem::path&, std::chrono::seconds) {}
 
 void write_log_line(LogLevel, const std::string&, const std::string&) {}
 

@@ -1,7 +1,7 @@
 // Queries few drones, and leaves a command unchanged if one does not answer.
 #include "cures.hpp"
 
-#include "../fitting_ports.hpp"
+#include "../match_ports.hpp"
 
 #include <hive/event/clock.hpp>
 #include <hive/name.hpp>
@@ -84,7 +84,7 @@ using Fit = std::pair<const Port*, const Port*>;
 std::optional<std::pair<std::string, std::string>> fit(const Endpoint& sender, const Interface& from,
                                                        const Endpoint& receiver, const Interface& to)
 try {
-    const auto [output, input] = fitting_ports(sender, from, receiver, to);
+    const auto [output, input] = match_ports(sender, from, receiver, to);
     return std::pair(output->name, input->name);
 } catch (const Error&) {
     return std::nullopt;
@@ -231,7 +231,7 @@ std::optional<Cause> unconnected_pair(Application& application, const Endpoint& 
                               + receiver.drone,
                           "hivectl explain " + receiver.drone + " " + sender.drone);
     try {
-        fitting_ports(sender, from, receiver, to);
+        match_ports(sender, from, receiver, to);
     } catch (const Error& error) {
         if (error.code() == Errc::type_mismatch || error.code() == Errc::not_found)
             return fit({receiver.drone, ""}, to, {sender.drone, ""}, from)

@@ -96,7 +96,7 @@ try {
     if (!is_starting())
         claim_.reset();
 } catch (const Error& error) {
-    tell_trouble(error.what());
+    log_problem(error.what());
 }
 
 /// Drones being started are handled by follow_starts().
@@ -274,13 +274,13 @@ void Staying::settle()
             return;
         for (const auto& failure : changes.make({&step, 1})) {
             unsettled.insert(failure.drone);
-            tell_trouble(failure.drone + ": " + failure.error.what());
+            log_problem(failure.drone + ": " + failure.error.what());
         }
     }
     unsettled_ = std::move(unsettled);
 }
 
-void Staying::tell_trouble(const std::string& text)
+void Staying::log_problem(const std::string& text)
 {
     if (std::exchange(trouble_, text) != text)
         told_(text);

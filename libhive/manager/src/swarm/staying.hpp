@@ -78,7 +78,7 @@ private:
     void start_due();
     /// Gives restarted drones the values and connections that are not in their saved state.
     void settle();
-    void tell_trouble(const std::string& text);
+    void log_problem(const std::string& text);
     [[nodiscard]] bool is_starting() const;
 
     Application& application_;

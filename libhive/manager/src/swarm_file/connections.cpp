@@ -1,5 +1,5 @@
 // Reads the connections of a swarm file.
-#include "../fitting_ports.hpp"
+#include "../match_ports.hpp"
 #include "reader.hpp"
 #include "words.hpp"
 
@@ -162,7 +162,7 @@ void Reader::check_ports(SwarmConnection& connection)
         throw sharing_refused(connection.to.drone);
     if (!from || !to)
         return;
-    const auto [output, input] = fitting_ports(connection.from, *from, connection.to, *to);
+    const auto [output, input] = match_ports(connection.from, *from, connection.to, *to);
     connection.from.port = output->name;
     connection.to.port = input->name;
     if (const auto& encoding = connection.options.encoding; !encoding.empty())

@@ -202,7 +202,7 @@ private:
     platform::Timer last_{context()};
     platform::Timer keys_timer_{context()};
     bool watching_keys_ = false;
-    std::string keys_trouble_;  ///< the last logged error of the key file
+    std::string keys_error_;  ///< the last logged error of the key file
     RateLimits refusals_{10, std::chrono::seconds(10)};
     RateLimits arrivals_{1024, std::chrono::seconds(1)};
     RateLimits registrations_{4096, std::chrono::seconds(10)};

@@ -7,7 +7,7 @@
 
 namespace hive::service {
 
-class LastGrace {
+class ShutdownWatchdog {
 public:
     /// The time limit of a drone that was told to stop.
     static constexpr std::chrono::seconds length{2};

@@ -9,8 +9,8 @@ namespace hive {
 
 /// The only matching pair of an output and an input. Throws Errc::not_found if a named port does not exist,
 /// Errc::type_mismatch if no pair matches, Errc::invalid_argument if several do.
-std::pair<const Port*, const Port*> fitting_ports(const Endpoint& sender, const Interface& from,
-                                                  const Endpoint& receiver, const Interface& to);
+std::pair<const Port*, const Port*> match_ports(const Endpoint& sender, const Interface& from, const Endpoint& receiver,
+                                                const Interface& to);
 
 /// Refuses to share work with a stateful drone.
 Error sharing_refused(const std::string& drone);

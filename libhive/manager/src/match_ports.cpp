@@ -1,5 +1,5 @@
 // Finds the pair of ports by their types.
-#include "fitting_ports.hpp"
+#include "match_ports.hpp"
 
 namespace hive {
 namespace {
@@ -37,8 +37,8 @@ std::string types_of(const std::vector<const Port*>& ports)
 
 }  // namespace
 
-std::pair<const Port*, const Port*> fitting_ports(const Endpoint& sender, const Interface& from,
-                                                  const Endpoint& receiver, const Interface& to)
+std::pair<const Port*, const Port*> match_ports(const Endpoint& sender, const Interface& from, const Endpoint& receiver,
+                                                const Interface& to)
 {
     const auto outputs = ports_of(from.outputs, sender, "output"), inputs = ports_of(to.inputs, receiver, "input");
     std::vector<Pair> pairs;

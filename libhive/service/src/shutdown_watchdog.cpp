@@ -1,5 +1,5 @@
 // Waits for a drone's code to return, for a limited time.
-#include "last_grace.hpp"
+#include "shutdown_watchdog.hpp"
 
 #include <condition_variable>
 #include <mutex>
@@ -7,7 +7,7 @@
 
 namespace hive::service {
 
-void LastGrace::begin(const std::filesystem::path& socket, std::chrono::seconds grace)
+void ShutdownWatchdog::begin(const std::filesystem::path& socket, std::chrono::seconds grace)
 {
     thread_ = std::jthread([socket, grace](const std::stop_token& ended) {
         std::mutex mutex;
