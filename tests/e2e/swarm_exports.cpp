@@ -44,7 +44,7 @@ std::vector<SwarmPlan> plans(const std::string& form)
         "camera": {"kind": "camera", "on": "cam1", "set": {"source": "/dev/video0", "credentials": "a b$c%d\"e'"}},
         "face": {"kind": "face", "count": 3, "on": ["gpu1", "gpu2"], "restart": "on-failure"},
         "background": {"kind": "background", "restart": "always", "cpus": 2, "memory_mib": 512, "gpus": 1},
-        "record": {"kind": "record", "set": {"file": "/data/a: \"#$x'%/run.hive"}}},
+        "record": {"kind": "record", "set": {"file": "/data/a \"#$x'%/run.hive"}}},
       "connections": [{"from": "camera", "to": "face-*", "share": true},
                       {"from": "camera", "to": ["background", "record"], "encoding": "jpeg:60"}],
       "engines": {"gpu*": {"slurm": {"partition": "gpu", "options": ["--constraint=a&b"], "job": ["--requeue"]}}}})"));

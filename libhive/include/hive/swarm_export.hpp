@@ -30,8 +30,8 @@ const std::vector<std::string>& export_forms();
 /// express the plan.
 std::vector<ExportedFile> export_swarm(const SwarmPlan& plan, std::string_view form, const ExportOptions& options = {});
 
-/// What drones of the plan need and the form does not contain, one sentence each: Python files, files that are read or
-/// written, devices. export_swarm() writes the same at the top of the first file.
+/// What drones of the plan need and the form does not contain (Python files, files that are read or written, devices),
+/// and what the form cannot carry, one sentence each. export_swarm() writes the same at the top of the first file.
 std::vector<std::string> export_notes(const SwarmPlan& plan, std::string_view form);
 
 }  // namespace hive

@@ -273,14 +273,14 @@ TEST_CASE("export: folders of the paths in parameters, except those of the syste
     CHECK_EQ(folder("/data/run.hive"), "/data");
     CHECK_EQ(folder("/home/me/runs/x.hive"), "/home/me/runs");
     for (const char* path : {"/x.hive", "/usr/share/x.xml", "/etc/x", "/tmp/x.hive", "/dev/video0", "run.hive",
-                             "./data/x", "/data/../etc/x", "//usr/lib/x", "", "http://x/y"})
+                             "./data/x", "/data/../etc/x", "//usr/lib/x", "", "http://x/y", "/data/a:b/x"})
         CHECK_MESSAGE(folder(path).empty(), path);
 }
 
 TEST_CASE("export: a compose file with devices, folders, and what a drone needs")
 {
     auto plan = doorway();
-    plan.drones[0].set["certificate"] = "/data/a: \"#$x\ny/cert";
+    plan.drones[0].set["certificate"] = "/data/a \"#$x\ny/cert";
     plan.drones[1].set = {{"source", "/dev/v4l/by-path/usb-0:1"}};
     plan.drones[1].cpus = 2;
     plan.drones[1].memory_mib = 512;
@@ -288,12 +288,13 @@ TEST_CASE("export: a compose file with devices, folders, and what a drone needs"
     const auto text = file_of(export_swarm(plan, "compose"), "compose.yaml");
     CHECK(has(text,
               "    devices: [\"/dev/video0:/dev/video0\"]\n    group_add: [\"video\"]\n    volumes:\n      - type: "
-              "\"bind\"\n        source: \"/data/a: \\\"#$$x\\ny\"\n"));
+              "\"bind\"\n        source: \"/data/a \\\"#$$x\\ny\"\n"));
     CHECK(has(text, "    cpus: 2\n    mem_limit: \"512m\"\n"));
     CHECK(has(text, "          devices:\n            - driver: \"nvidia\"\n              count: 1\n              "
                     "capabilities: [\"gpu\"]\n"));
     CHECK_FALSE(has(text, "by-path/usb-0:1:"));
-    CHECK(has(text, "# face-1 needs /dev/v4l/by-path/usb-0:1, which compose cannot map: use a path without ':'.\n"));
+    CHECK(has(text,
+              "# face-1 needs /dev/v4l/by-path/usb-0:1, which cannot be in a container: use a path without ':'.\n"));
 }
 
 TEST_CASE("export: a compose file has the devices, and the key unless nobody needs it")
@@ -306,7 +307,10 @@ TEST_CASE("export: a compose file has the devices, and the key unless nobody nee
     CHECK(has(text, "secrets:\n  hive-key:\n    file: \"./swarm.key\"\n"));
     for (auto& drone : plan.drones)
         drone.insecure = true;
-    CHECK_FALSE(has(file_of(export_swarm(plan, "compose"), "compose.yaml"), "key"));
+    plan.name = "Door.Way";  // a project has a lower-case name
+    const auto insecure = file_of(export_swarm(plan, "compose"), "compose.yaml");
+    CHECK_FALSE(has(insecure, "key"));
+    CHECK(has(insecure, "docker-compose -p door-way up -d\n"));
 }
 
 TEST_CASE("export: containers with one that Prometheus scrapes")
@@ -363,7 +367,7 @@ TEST_CASE("export: manifests of Kubernetes, with names that it takes")
 TEST_CASE("export: a pod has its swarm's key, no rights, and what the drone needs")
 {
     auto plan = doorway();
-    plan.drones[1].set["file"] = "/data/#$x\n: y/run.hive";
+    plan.drones[1].set["file"] = "/data/#$x\n y/run.hive";
     plan.drones[3].set["file"] = "/runs/run.hive";
     plan.drones[3].cpus = 2;
     plan.drones[3].memory_mib = 512;
@@ -383,7 +387,7 @@ TEST_CASE("export: a pod has its swarm's key, no rights, and what the drone need
     CHECK(has(camera, "supplementalGroups: [44]\n"));
     CHECK(has(camera, "hostPath:\n            path: \"/dev/video0\"\n            type: \"CharDevice\"\n"));
     const auto face = all.substr(all.find("name: \"doorway-face-1\""));
-    CHECK(has(face, "hostPath:\n            path: \"/data/#$x\\n: y\"\n            type: \"Directory\"\n"));
+    CHECK(has(face, "hostPath:\n            path: \"/data/#$x\\n y\"\n            type: \"Directory\"\n"));
     const auto track = all.substr(all.find("kind: \"StatefulSet\""));
     CHECK(has(track, "mountPath: \"/runs\"\n"));
     CHECK(has(track, "volumeClaimTemplates:\n    - metadata:\n        name: \"data-0\"\n"));

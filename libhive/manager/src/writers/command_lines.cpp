@@ -48,6 +48,16 @@ std::string shell_word(const std::string& word)
 
 std::string machine_name(const std::string& host) { return host.substr(host.rfind('@') + 1); }
 
+std::string label_of(const std::string& name)
+{
+    std::string label;
+    for (const char c : name)
+        label += c == '_' || c == '.' ? '-' : (c >= 'A' && c <= 'Z') ? static_cast<char>(c - 'A' + 'a') : c;
+    while (label.ends_with('-'))
+        label.pop_back();
+    return label;
+}
+
 CommandLines::CommandLines(const SwarmPlan& plan, Machines machines, std::map<std::string, std::string> hosts)
     : machines_(machines), plan_(plan), hosts_(std::move(hosts))
 {

@@ -46,8 +46,7 @@ OrderedJson compose_service(const SwarmDrone& drone, const CommandLines& lines, 
 {
     auto service = container_of(lines.of(drone), drone.restart, !drone.insecure, options);
     for (const auto& device : devices_of(drone))
-        if (device.find(':') == std::string::npos)  // separates the two paths
-            service["devices"].push_back(compose_word(device + ":" + device));
+        service["devices"].push_back(compose_word(device + ":" + device));
     if (service.contains("devices"))
         service["group_add"] = {"video"};
     for (const auto& folder : folders_of(drone))
@@ -83,9 +82,9 @@ ExportedFiles write_compose(const SwarmPlan& plan, const ExportOptions& options)
         file["secrets"] = {{"hive-key", {{"file", "./swarm.key"}}}};
         head += "#   cp ~/.config/hive/swarm.key .\n"
                 "#   HIVE_UID=$(id -u) HIVE_GID=$(id -g) docker-compose -p "
-                + plan.name + " up -d   # the key belongs to its reader\n";
+                + label_of(plan.name) + " up -d   # the key belongs to its reader\n";
     } else {
-        head += "#   docker-compose -p " + plan.name + " up -d\n";
+        head += "#   docker-compose -p " + label_of(plan.name) + " up -d\n";
     }
     return {{"compose.yaml", head + yaml_text(file)}};
 }

@@ -15,17 +15,6 @@ constexpr int user = 65532;          ///< any but root
 constexpr int video_group = 44;      ///< of the devices, in Debian and Ubuntu
 constexpr std::size_t longest = 52;  ///< names of StatefulSets become labels with a suffix
 
-/// Kubernetes names have lower-case letters, digits and hyphens.
-std::string label_of(const std::string& name)
-{
-    std::string label;
-    for (const char c : name)
-        label += c == '_' || c == '.' ? '-' : (c >= 'A' && c <= 'Z') ? static_cast<char>(c - 'A' + 'a') : c;
-    while (label.ends_with('-'))
-        label.pop_back();
-    return label;
-}
-
 /// Object names by drone: several swarms can share a namespace.
 std::map<std::string, std::string> object_names(const SwarmPlan& plan)
 {

@@ -23,6 +23,8 @@ bool is_file(const std::string& text)
     return begins("/") || begins("./") || begins("../") || begins("~/") || fs::is_regular_file(text, ignored);
 }
 
+bool in_containers(std::string_view form) { return form == "compose" || form == "kubernetes"; }
+
 std::set<std::string> texts_of(const SwarmDrone& drone)
 {
     std::set<std::string> texts;
@@ -38,8 +40,6 @@ std::string lack_in_pod(const SwarmDrone& drone, const std::string& thing)
     if (is_device(thing))
         return std::string("which its privileged container gets from the node, if group 44 has access there")
                + (drone.host == Place::here ? "; name the node: \"on\"" : "");
-    if (folder_of(thing).empty())
-        return "which is not in the image: add it there, or as a volume";
     if (drone.host == Place::here)
         return "whose folder is a claim, empty at first, that the swarm's deletion keeps";
     return "whose folder must be on " + drone.host + ", where user 65532 needs access";
@@ -48,14 +48,17 @@ std::string lack_in_pod(const SwarmDrone& drone, const std::string& thing)
 /// What is missing where the form runs the drone, and the remedy; empty: nothing.
 std::string lack_of(const SwarmDrone& drone, const std::string& thing, std::string_view form)
 {
-    if (form == "kubernetes")
-        return lack_in_pod(drone, thing);
-    if (form == "compose" && is_device(thing))
-        return thing.find(':') == std::string::npos ? "" : "which compose cannot map: use a path without ':'";
-    if (form == "compose" && folder_of(thing).empty())
-        return "which is not in the image: add it there, or as a volume";
-    if (form == "compose")
-        return "whose folder is mounted: it has to be there, with access for the user of the container";
+    if (in_containers(form)) {
+        if (is_device(thing) && thing.find(':') != std::string::npos)
+            return "which cannot be in a container: use a path without ':'";
+        if (!is_device(thing) && folder_of(thing).empty())
+            return "which is not in the image: add it there, or as a volume";
+        if (form == "kubernetes")
+            return lack_in_pod(drone, thing);
+        return is_device(thing) ? ""
+                                : "whose folder is mounted: it has to be there, with access for the user of the "
+                                  "container";
+    }
     if (is_device(thing) || (drone.host == Place::here && (form == "shell" || thing.starts_with("/"))))
         return {};
     const std::string there = drone.host == Place::here ? "it has to be there" : "it has to be on " + drone.host;
@@ -71,12 +74,13 @@ std::vector<std::string> lost_of(const SwarmPlan& plan, const SwarmDrone& drone,
     const auto engine = plan.engine_of(drone.host).name;
     if (form == "slurm" && engine != "slurm"
         && std::ranges::any_of(plan.drones, [&](const auto& one) { return plan.engine_of(one.host).name == "slurm"; }))
-        lost.push_back("left out: the engine " + engine + " starts it on " + drone.host);
+        lost.push_back("left out: the engine " + engine + " starts it on "
+                       + (drone.host == Place::here ? "this machine" : drone.host));
     if (form == "compose" && drone.host != Place::here)
         lost.push_back("runs on the machine of the containers, not on " + drone.host);
-    if ((form == "compose" || form == "kubernetes") && !drone.key.empty())
+    if (in_containers(form) && !drone.key.empty())
         lost.emplace_back("has the key of the secret, not \"key\"");
-    if ((form == "compose" || form == "kubernetes") && (!drone.listen.empty() || !drone.advertise.empty()))
+    if (in_containers(form) && (!drone.listen.empty() || !drone.advertise.empty()))
         lost.emplace_back("listens at port 7700 for other containers only");
     if (form == "kubernetes" && drone.restart != Restart::always)
         lost.emplace_back("restarted after every exit, as with \"restart\": \"always\"");
@@ -124,7 +128,8 @@ std::string folder_of(const std::string& path)
                                                  "proc", "run", "sbin", "sys", "tmp", "usr"};
     const fs::path folder = fs::path(path).parent_path(), inner = folder.relative_path();
     const auto top = inner.empty() ? std::string() : inner.begin()->string();
-    if (!path.starts_with("/") || std::ranges::find(folder, "..") != folder.end() || of_system.contains(top))
+    if (!path.starts_with("/") || path.find(':') != path.npos || std::ranges::find(folder, "..") != folder.end()
+        || of_system.contains(top))
         return {};
     return folder.string();
 }
@@ -132,7 +137,7 @@ std::string folder_of(const std::string& path)
 std::set<std::string> devices_of(const SwarmDrone& drone)
 {
     auto texts = texts_of(drone);
-    std::erase_if(texts, [](const std::string& text) { return !is_device(text); });
+    std::erase_if(texts, [](const std::string& text) { return !is_device(text) || text.find(':') != text.npos; });
     return texts;
 }
 
