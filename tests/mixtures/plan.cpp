@@ -67,6 +67,8 @@ private:
         take(random_.pick(choices));
     }
 
+    bool may_fail(const std::string& drone) const { return topology_.fails && drone != source && drone != watcher; }
+
     void about(const std::string& drone, Life life, std::vector<Step>& choices) const
     {
         const auto offer = [&](Verb verb, int times) {
@@ -81,8 +83,8 @@ private:
             offer(Verb::kill, another ? 4 : 0);
             offer(Verb::freeze, another ? 3 : 0);
             offer(Verb::halt, another ? 2 : 0);
-            offer(Verb::stop, another ? 1 : 0);
-            offer(Verb::fail, topology_.fails && another && drone != source && drone != watcher ? 5 : 0);
+            offer(Verb::stop, another ? (may_fail(drone) ? 3 : 1) : 0);
+            offer(Verb::fail, may_fail(drone) && another ? 5 : 0);
             break;
         case Life::killed:
         case Life::stopped: offer(Verb::start, 25); break;
@@ -132,6 +134,7 @@ private:
             step.second = random_.between(0, 3);
             step.number = step.second == static_cast<int>(Failure::hangs) ? random_.between(100, 6000) : 0;
             break;
+        case Verb::stop: step.second = may_fail(step.drone) ? random_.between(0, 1) : 0; break;
         case Verb::part:
             step.number = random_.between(200, random_.pick(std::vector{1500, 5000, 12'000, 40'000}));
             step.second = random_.between(0, 2);

@@ -62,7 +62,7 @@ enum class Verb {
     thaw,          ///< SIGCONT, not before `number` milliseconds have passed since the freeze
     halt,          ///<
     resume,        ///<
-    stop,          ///< by order: it forgets what it was told
+    stop,          ///< by order: it forgets what it was told. `second` 1: a callback hangs, so it is killed
     set_one,       ///< work_ms of one drone
     set_all,       ///< work_ms and most_ms of all workers that run
     set_twice,     ///< two of these at once

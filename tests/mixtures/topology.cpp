@@ -167,6 +167,8 @@ std::string to_text(const Step& step)
         text += " " + std::string(token(static_cast<Meanwhile>(step.second)));
     else if (step.second > 0 && step.verb == Verb::fail)
         text += " " + std::string(token(static_cast<Failure>(step.second)));
+    else if (step.second > 0 && step.verb == Verb::stop)
+        text += " while it hangs";
     else if (step.second > 0)
         text += " " + std::to_string(step.second);
     return step.settle ? text + ", then check" : text;

@@ -53,6 +53,15 @@ void SimulatedGround::on_work(const std::string& drone, const Event& event)
     world_.sleep(1h);
 }
 
+/// Does the code fail at an event that comes in time?
+bool SimulatedGround::failed_by(const mixtures::Step& step, Failure how, std::chrono::milliseconds time)
+{
+    failing_[step.drone] = {1 + world_.chance_of(3), how, time};
+    for (const auto last = world_.now() + 200ms; failing_.contains(step.drone) && world_.now() < last;)
+        world_.sleep(1ms);
+    return failing_.erase(step.drone) == 0;
+}
+
 /// If no event comes in time, it is as if the code had failed between two of them.
 void SimulatedGround::fail(const mixtures::Step& step)
 {
@@ -64,10 +73,7 @@ void SimulatedGround::fail(const mixtures::Step& step)
         calls_.keep("policy", [&] { application_->exception_policy(drone, ExceptionPolicy::halt); });
     if (how == Failure::crashes)
         links_.broken(drone, world_.now());
-    failing_[drone] = {1 + world_.chance_of(3), how, time};
-    for (const auto last = world_.now() + 200ms; failing_.contains(drone) && world_.now() < last;)
-        world_.sleep(1ms);
-    const bool failed = failing_.erase(drone) == 0;
+    const bool failed = failed_by(step, how, time);
     if (how == Failure::hangs && failed)
         world_.sleep(time);
     if (how == Failure::crashes && failed) {

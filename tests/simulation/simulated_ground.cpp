@@ -158,6 +158,7 @@ void SimulatedGround::start(const std::string& drone, bool remembers, std::optio
     born_[drone] = ++starts_;
     links_.broken(drone, world_.now());
     EmbeddedOptions options{.name = drone};
+    options.ends_process = true;
     if (!remembers)
         options.parameters = first_parameters(topology_, drone, fed_, has(mixtures::fault::ends));
     const auto running = running_[drone] = std::make_shared<Running>();

@@ -122,7 +122,8 @@ private:
     [[nodiscard]] int machine_of(const std::string& drone) const;
     void perform_now(const mixtures::Step& step);
     void feed(int events);
-    void stop(const std::string& drone);
+    void stop(const mixtures::Step& step);
+    bool failed_by(const mixtures::Step& step, mixtures::Failure how, std::chrono::milliseconds time);
     void freeze(const std::string& drone);
     void ask_impatiently(const std::string& drone);
     void thaw(const std::string& drone, std::chrono::milliseconds least);

@@ -70,7 +70,7 @@ void SimulatedGround::perform_now(const Step& step)
     case Verb::thaw: return thaw(step.drone, std::chrono::milliseconds(step.number));
     case Verb::halt: return calls_.keep("halt", [&] { application_->halt(step.drone); });
     case Verb::resume: return calls_.keep("resume", [&] { application_->resume(step.drone); });
-    case Verb::stop: return stop(step.drone);
+    case Verb::stop: return stop(step);
     case Verb::fail: return fail(step);
     case Verb::part: return part(std::chrono::milliseconds(step.number), step.second);
     case Verb::replace: return replace(step);
@@ -118,8 +118,12 @@ void SimulatedGround::restart(const std::string& drone)
     start(drone, true);
 }
 
-void SimulatedGround::stop(const std::string& drone)
+/// One that hangs is killed when its grace period is over.
+void SimulatedGround::stop(const Step& step)
 {
+    const auto& drone = step.drone;
+    if (step.second == 1)
+        failed_by(step, mixtures::Failure::hangs, 1h);
     links_.broken(drone, world_.now());
     calls_.keep("stop", [&] { application_->stop(drone); });
     until([process = running_.at(drone)->process] { return process->dead; });  // it uses its row to the end

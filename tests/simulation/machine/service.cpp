@@ -5,12 +5,16 @@
 #include "shutdown_watchdog.hpp"
 #include "log_line.hpp"
 
+#include <hive/platform/process.hpp>
+
 namespace hive::service {
 
 using simulation::world;
 
-/// Its code always returns.
-void ShutdownWatchdog::begin(const std::filesystem::path&, std::chrono::seconds) {}
+void ShutdownWatchdog::begin(const std::filesystem::path&, std::chrono::seconds grace)
+{
+    world().at(world().now() + grace, [pid = platform::own_pid()] { world().kill(pid); });
+}
 
 void write_log_line(LogLevel, const std::string&, const std::string&) {}
 
@@ -19,7 +23,7 @@ std::optional<DroneSettings> read_command_line(int count, const char* const* wor
 {
     DroneSettings settings;
     settings.name = program.kind;
-    settings.signals = settings.ends_process = false;
+    settings.signals = false;
     settings.log = [process = world().current()](LogLevel, const std::string& text) {
         if (process->log)
             process->log(text);
