@@ -281,7 +281,7 @@ void DroneCore::end()
     mailbox_.nudge();
     running_->supervised.stopping();
     if (settings_.ends_process)
-        last_grace_.begin(running_->home.path(self_.name, ".sock"));
+        watchdog_.begin(running_->home.path(self_.name, ".sock"));
 }
 
 /// On the network side. As in a halt nothing more is requested, and shared work that was not started is returned.
@@ -293,7 +293,7 @@ void DroneCore::hand_over()
     mailbox_.discard(event::came_to_member);
     mailbox_.nudge();
     if (settings_.ends_process)
-        last_grace_.begin(running_->home.path(self_.name, ".sock"), service::ShutdownWatchdog::length_to_hand_over);
+        watchdog_.begin(running_->home.path(self_.name, ".sock"), service::ShutdownWatchdog::length_to_hand_over);
 }
 
 Json DroneCore::left_state(const event::Home& home) const

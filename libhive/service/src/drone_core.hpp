@@ -78,7 +78,7 @@ private:
     void hand_over();
     void ended();
 
-    service::ShutdownWatchdog last_grace_;
+    service::ShutdownWatchdog watchdog_;
     DroneSettings settings_;
     protocol::Hello self_;  ///< its epoch is final when the module is created
     service::StatusBoard board_;
