@@ -175,6 +175,8 @@ void CameraDrone::open(const Wanted& wanted)
             [settings = wanted.source, memory = memory_] { return open_source(settings, memory.get()); }, wanted.fps,
             is_live(kind) ? Capture::AtEnd::open_again : Capture::AtEnd::stop, [this] { drone_.wake(); },
             kind == SourceKind::url ? "connecting to " + shown_source(wanted.source.text) : "");
+    if (capture_)
+        say(capture_->condition());
 }
 
 std::chrono::microseconds CameraDrone::step() { return capture_ ? step_live() : step_on_demand(); }

@@ -27,6 +27,7 @@ public:
     Work(Opener open, double fps, AtEnd at_end, std::function<void()> notice, std::string opening)
         : FrameWork(std::move(notice)), open_(std::move(open)), fps_(fps), at_end_(at_end), opening_(std::move(opening))
     {
+        last_error_ = opening_;  // before the thread begins, so that the first status has it
     }
 
     std::vector<std::string> problems()

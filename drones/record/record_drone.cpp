@@ -247,10 +247,12 @@ void RecordDrone::take(const hive::Event& event)
 /// A failed disk makes each further event an exception, so that it counts as abandoned and not as processed.
 void RecordDrone::append(const hive::Event& event)
 {
+    const bool had_failed = !writer_->failure().empty();
     hive::recording::append(*writer_, event);
     if (writer_->failure().empty())
         return;
-    say();
+    if (!had_failed)
+        say();
     throw hive::Error(hive::Errc::io, failure_text());
 }
 
@@ -301,7 +303,10 @@ std::chrono::microseconds RecordDrone::look()
         say();
         return 1s;
     }
+    const bool had_failed = !writer_->failure().empty();
     writer_->look(Clock::now());
+    if (!had_failed && !writer_->failure().empty())  // without an event, at which it would be reported
+        drone_.report(hive::Errc::io, failure_text());
     if (Clock::now() >= next_count_) {
         count_dropped();
         next_count_ = Clock::now() + 1s;

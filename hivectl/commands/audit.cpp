@@ -43,7 +43,7 @@ std::int64_t since_us(const std::string& text)
     const auto* const last = text.data() + text.size();
     const auto [end, error] = std::from_chars(text.data(), last, count);
     if (error == std::errc() && end + 1 == last && units.contains(*end) && count >= 0)
-        return wall_us() - static_cast<std::int64_t>(std::min(count, 1e6) * units.at(*end)) * second_us;
+        return wall_us() - static_cast<std::int64_t>(std::min(count, 1e6) * units.at(*end) * second_us);
     const auto now = std::time(nullptr);
     for (const std::string form : {"%H:%M:%S", "%H:%M", "%Y-%m-%dT%H:%M:%S"}) {
         std::tm time{};
@@ -55,7 +55,9 @@ std::int64_t since_us(const std::string& text)
         time.tm_isdst = -1;
         const auto then = std::mktime(&time);
         constexpr std::time_t day = 86'400;
-        return (form[1] == 'H' && then > now ? then - day : then) * second_us;
+        if (form[1] != 'H' && then > now)
+            break;
+        return (then > now ? then - day : then) * second_us;
     }
     throw hive::Error(hive::Errc::invalid_argument, "--since " + text + " is not a time",
                       "give 90s, 10m, 2h, 1d, 14:05 or 2026-11-27T14:05:00");
@@ -130,14 +132,15 @@ void report(const hive::Audit& audit, Session& session, bool watch)
 
 int run(const Options& options, Session& session)
 {
-    const auto since = options.since.empty() ? std::nullopt : std::optional(since_us(options.since));
+    if (!options.since.empty())
+        since_us(options.since);  // a wrong one is refused first
     auto& application = session.application(1s);
     const interrupt::Deferred deferred;
     bool clean = true;
     do {
         auto audit = hive::audit(application);
-        if (since)
-            audit.forget_before(*since);
+        if (!options.since.empty())
+            audit.forget_before(since_us(options.since));
         clean = audit.clean();
         report(audit, session, options.watch);
     } while (options.watch

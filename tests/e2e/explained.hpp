@@ -6,9 +6,6 @@
 
 #include <doctest/doctest.h>
 
-#include <cstdlib>
-#include <fstream>
-
 namespace hive::test {
 
 /// One explanation.
@@ -63,25 +60,14 @@ inline Found found(const Shell& shell, const std::string& words)
     return found;
 }
 
-/// Appends what was caused and what explain named first, for the test that counts both.
-inline void note_named(const std::string& caused, const std::string& named)
-{
-    if (const char* file = std::getenv("HIVE_TEST_NAMED"))
-        std::ofstream(file, std::ios::app) << caused << "\t" << named << "\n";
-}
-
-/// The explanation, once it is this one. The first explanation with a cause is noted, right or wrong.
+/// The explanation, once it is this one.
 inline Found awaited(const Shell& shell, const std::string& words, const std::string& causes,
                      Milliseconds patience = Milliseconds(15'000))
 {
     Found now;
-    bool noted = false;
     CHECK_MESSAGE(eventually(
                       [&] {
                           now = found(shell, words);
-                          if (!noted && !now.causes.empty())
-                              note_named(causes, now.causes);
-                          noted = noted || !now.causes.empty();
                           return now.causes == causes;
                       },
                       patience),

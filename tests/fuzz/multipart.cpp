@@ -3,7 +3,7 @@
 #include "multipart.hpp"
 
 #include "require.hpp"
-#include "trouble.hpp"
+#include "camera_error.hpp"
 
 #include <algorithm>
 #include <cstdint>

@@ -271,6 +271,8 @@ void add_counts(InputStatus& sum, const InputStatus& more)
           &InputStatus::discarded, &InputStatus::dropped, &InputStatus::unmatched, &InputStatus::in_hand})
         sum.*count += more.*count;
     sum.last_lost_us = std::max(sum.last_lost_us, more.last_lost_us);
+    if (!more.kind.empty())
+        sum.kind = more.kind;
 }
 
 }  // namespace

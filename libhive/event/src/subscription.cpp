@@ -313,6 +313,7 @@ void Subscription::request(ReceiverId id, const Progress& progress, const std::v
 
 void Subscription::written(ReceiverId id, std::size_t bytes, Clock::time_point now, Decisions& decisions)
 {
+    now_ = now;
     if (const auto found = consumers_.find(id); found != consumers_.end())
         found->second.credit.written(bytes);
     pump(now, decisions);
@@ -414,6 +415,7 @@ void Subscription::tick(Clock::time_point now, Decisions& decisions)
 
 void Subscription::end(Clock::time_point now, Decisions& decisions)
 {
+    now_ = now;
     ended_ = true;
     pump(now, decisions);
 }

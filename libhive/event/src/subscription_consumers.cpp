@@ -202,6 +202,7 @@ Subscription::Job Subscription::leave_with(std::int64_t number)
 /// Nothing moves from a passive subscription: its events were only for display, and may have no body.
 void Subscription::adopt(Subscription&& other, Clock::time_point now, Decisions& decisions)
 {
+    now_ = other.now_ = now;
     if (other.passive())
         return other.end_live(Fate::lost_left);
     if (auto away = std::exchange(other.away_, std::nullopt))

@@ -66,12 +66,10 @@ const Json& answer_of(const Answers& answers, const std::string& drone)
 
 /// Addresses at which the receiver can reach the sender, the nearest first; an empty one: by name in the receiver's
 /// home.
-std::vector<std::string> ways(const Place& sender, const Place& receiver, const Answers& statuses)
+/// @param from, to  addresses that the two report
+std::vector<std::string> ways(const Place& sender, const std::vector<std::string>& from, const Place& receiver,
+                              const std::vector<std::string>& to)
 {
-    if (is_here(sender) && is_here(receiver))
-        return {""};
-    const auto places_of = [&](const Place& end) { return status_from_json(answer_of(statuses, end.drone)).places; };
-    const auto from = places_of(sender), to = places_of(receiver);
     std::vector<std::string> ways;
     const auto add = [&](const std::string& way) {
         if (std::ranges::find(ways, way) == ways.end())
@@ -133,12 +131,17 @@ std::vector<ConnectAnswer> Application::Core::connect(const std::vector<SwarmCon
                 throw sharing_refused(receiver.drone);
             made.back().sender.port = output->name;
             made.back().receiver.port = input->name;
-            const auto place_of_sender = place(sender.drone);
+            const auto place_of_sender = place(sender.drone), place_of_receiver = place(receiver.drone);
+            const auto places_of = [&](const Endpoint& end) {
+                return status_from_json(answer_of(statuses, end.drone)).places;
+            };
             wires.push_back(
                 {made.size() - 1,
                  receiver.drone,
                  {.drone = place_of_sender.drone, .output = output->name, .input = input->name, .options = options},
-                 ways(place_of_sender, place(receiver.drone), statuses)});
+                 is_here(place_of_sender) && is_here(place_of_receiver)
+                     ? std::vector<std::string>{""}
+                     : ways(place_of_sender, places_of(sender), place_of_receiver, places_of(receiver))});
         } catch (const Error& error) {
             made.back().error = error;
         }

@@ -293,7 +293,7 @@ void DroneCore::hand_over()
     mailbox_.discard(event::came_to_member);
     mailbox_.nudge();
     if (settings_.ends_process)
-        watchdog_.begin(running_->home.path(self_.name, ".sock"), service::ShutdownWatchdog::length_to_hand_over);
+        watchdog_.begin(running_->home.path(self_.name, ".sock"), service::ShutdownWatchdog::hand_over_timeout);
 }
 
 Json DroneCore::left_state(const event::Home& home) const

@@ -90,7 +90,7 @@ void StatusBoard::Durations::add(std::int64_t us)
         total_ += count /= 2;
 }
 
-/// The upper limit of the class in which it is.
+/// Returns the upper limit of the class that contains the 99th percentile.
 std::int64_t StatusBoard::Durations::p99_us() const
 {
     std::uint32_t above = 0;

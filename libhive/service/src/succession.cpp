@@ -10,7 +10,7 @@ using event::Clock;
 using namespace std::chrono_literals;
 
 constexpr auto ask_timeout = 5s;
-constexpr auto name_timeout = ShutdownWatchdog::length_to_hand_over + 5s;
+constexpr auto name_timeout = ShutdownWatchdog::hand_over_timeout + 5s;
 
 /// A drone that has ended, or ends before it answers, frees the name too.
 bool is_refusal(const Error& error)

@@ -131,7 +131,7 @@ void require_private(const Descriptor& opened, const fs::path& file)
                     "make a copy of your own");
     if ((info.st_mode & (of_root ? 037 : 077)) != 0)
         throw Error(Errc::not_permitted, "others can read the swarm key " + file.string(),
-                    "close it: chmod 600 " + file.string());
+                    std::string("close it: chmod ") + (of_root ? "640 " : "600 ") + file.string());
 }
 
 std::string text_of(const Descriptor& opened, const fs::path& file)

@@ -19,16 +19,19 @@ void Liveness::pinged(Clock::time_point now)
 
 void Liveness::answered(Clock::time_point now, std::size_t unanswered)
 {
+    if (unanswered_)
+        answer_ = std::max(answer_ / 2, now - *unanswered_);
     unanswered_.reset();
     if (unanswered > 0)  // they were sent before now
         unanswered_ = now;
 }
 
-/// Transit time counts: the last packet of this end may have been fast, and the next one slow. A peer that received a
-/// ping answers it before anything that it sends half a heartbeat later; a frozen peer sends nothing.
+/// Transit time counts: the last packet of this end may have been fast, and the next one slow. A peer that receives
+/// a ping answers it about as fast as earlier ones; a frozen peer sends nothing.
 bool Liveness::seemed_dead(Clock::duration late, Clock::time_point now) const
 {
-    const bool unheard = unanswered_ && heard_ >= *unanswered_ + timing_.heartbeat / 2;
+    const auto time_to_answer = std::max<Clock::duration>(timing_.heartbeat / 2, 2 * answer_);
+    const bool unheard = unanswered_ && heard_ >= *unanswered_ + time_to_answer;
     return unheard || late >= longest_pause() || (back_ && now < *back_ + 2 * timing_.heartbeat);
 }
 

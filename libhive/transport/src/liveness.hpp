@@ -26,7 +26,8 @@ public:
     void sent(Clock::time_point now) { sent_ = now; }
     /// A ping is being sent.
     void pinged(Clock::time_point now);
-    /// The oldest unanswered ping was answered; so many are still unanswered.
+    /// The oldest unanswered ping was answered.
+    /// @param unanswered  number of pings that are still unanswered
     void answered(Clock::time_point now, std::size_t unanswered);
     /// Bytes arrived. `fresh`: they begin or end a packet.
     void heard(Clock::time_point now, std::size_t bytes, bool fresh);
@@ -59,6 +60,7 @@ private:
     Clock::time_point started_, heard_, probed_;    ///< probed: the last ping, at first the start
     std::optional<Clock::time_point> sent_, back_;  ///< back: from the last long pause
     std::optional<Clock::time_point> unanswered_;   ///< a ping has no answer since then
+    Clock::duration answer_{};                      ///< the longest of the last times of an answer; older ones fade
     bool hello_ = false;
     Clock::time_point window_;  ///< since when the bytes of the current packet are counted
     std::size_t window_bytes_ = 0;

@@ -224,7 +224,7 @@ TEST_CASE(
     CHECK(application.status("record").condition
           == "disk full: " + full_file + "; set file=" + (disk / "run-2.hive").string());
     CHECK(exception->header.at("text") == "disk full: " + full_file);
-    CHECK(application.status("record").inputs.at(0).abandoned > 0);
+    CHECK(eventually([&] { return application.status("record").inputs.at(0).abandoned > 0; }));
     CHECK(application.status("record").state != hive::State::halted);
     CHECK(gaps == 0);
     application.stop("record");

@@ -13,6 +13,7 @@ using simulation::world;
 
 void ShutdownWatchdog::begin(const std::filesystem::path&, std::chrono::seconds grace)
 {
+    // Killing a process that has ended has no effect, and pids are not reused.
     world().at(world().now() + grace, [pid = platform::own_pid()] { world().kill(pid); });
 }
 

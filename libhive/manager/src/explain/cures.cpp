@@ -173,8 +173,10 @@ void name_failure(Application& application, Cause& cause)
 /// A stateful drone must be told that its state is lost.
 void replace_stateful(Application& application, Cause& cause)
 {
-    if (cause.command == "hivectl replace " + cause.drone && application.describe(cause.drone).stateful)
+    if (cause.command == "hivectl replace " + cause.drone && application.describe(cause.drone).stateful) {
         cause.command += " --lose-state";
+        cause.evidence += (cause.evidence.empty() ? "" : "; ") + std::string("its state will be lost");
+    }
 }
 
 void complete(Application& application, Cause& cause)

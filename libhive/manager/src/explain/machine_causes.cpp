@@ -96,10 +96,10 @@ void add_processors(std::vector<Cause>& causes, const Machine& machine)
                                                + machine_text(machine.host) + " are busy all the time"));
     double rest = std::min(machine.busy, count);
     constexpr double noticeable = 0.05;
-    for (const auto& user : users) {
+    for (const auto& user : users)
         busy.evidence += user.processors < noticeable ? "" : user.drone + " uses " + tenths(user.processors) + ", ";
+    for (const auto& [pid, user] : machine.users)
         rest -= user.processors;
-    }
     busy.evidence += "other programs " + tenths(std::max(0.0, rest));
     if (users.front().processors > std::max(rest, noticeable * count))  // without it, there is time for the others
         busy.command = "hivectl halt " + users.front().drone;

@@ -124,12 +124,13 @@ std::string text_of(const Need& need)
 
 std::string folder_of(const std::string& path)
 {
-    static const std::set<std::string> of_system{"",     "bin", "boot", "dev", "etc", "lib", "lib64",
-                                                 "proc", "run", "sbin", "sys", "tmp", "usr"};
+    static const std::set<std::string> of_system{"",      "bin",   "boot",   "dev", "etc",  "lib",
+                                                 "lib32", "lib64", "libx32", "opt", "proc", "root",
+                                                 "run",   "sbin",  "sys",    "tmp", "usr",  "var"};
     const fs::path folder = fs::path(path).parent_path(), inner = folder.relative_path();
     const auto top = inner.empty() ? std::string() : inner.begin()->string();
     if (!path.starts_with("/") || path.find(':') != path.npos || std::ranges::find(folder, "..") != folder.end()
-        || of_system.contains(top))
+        || of_system.contains(top) || inner == "home")
         return {};
     return folder.string();
 }

@@ -82,17 +82,20 @@ bool has_gpus(const Component& component)
 /// need any memory.
 std::vector<std::string> amounts_of(const Component& component)
 {
-    int cpus = 0, memory = 0, gpus = 0;
+    int cpus = 0, gpus = 0;
+    std::int64_t memory = 0;
     bool all_memory = false, any_cpus = false, any_memory = false;
     for (const auto& [host, drones] : component.drones) {
-        int cpus_here = 0, memory_here = 0, gpus_here = 0;
+        int cpus_here = 0, gpus_here = 0;
+        std::int64_t memory_here = 0;
         bool share = false;
         for (const auto* drone : drones) {
-            cpus_here += drone->cpus;
+            const int own_cpus = std::max(drone->cpus, drone->gpus > 0 ? 1 : 0);  // its step is --exact
+            cpus_here += own_cpus;
             memory_here += drone->memory_mib;
             gpus_here += drone->gpus;
-            share = share || drone->cpus == 0;
-            any_cpus = any_cpus || drone->cpus > 0;
+            share = share || own_cpus == 0;
+            any_cpus = any_cpus || own_cpus > 0;
             any_memory = any_memory || drone->memory_mib > 0;
             all_memory = all_memory || drone->memory_mib == 0;
         }

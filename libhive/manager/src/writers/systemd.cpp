@@ -29,8 +29,8 @@ std::string unit_restart_of(const SwarmDrone& drone)
 std::string exec_start(const SwarmDrone& drone, const std::vector<std::string>& words, const ExportOptions& options)
 {
     const bool is_known = drone.host == Place::here && words.front().starts_with("hive-");
-    std::string text =
-        is_known ? readable_word(options.programs + "/" + words.front()) : "/usr/bin/env " + words.front();
+    std::string text = is_known ? readable_word(options.programs + "/" + words.front())
+                                : "/usr/bin/env " + readable_word(words.front());
     for (std::size_t i = 1; i < words.size(); ++i)
         text += " " + readable_word(words[i]);
     return text;

@@ -5,6 +5,7 @@
 
 #include <hive/name.hpp>
 #include <hive/printable.hpp>
+#include <hive/program.hpp>
 
 #include <algorithm>
 
@@ -27,14 +28,16 @@ void require_lines(const SwarmPlan& plan)
     require_name(plan.name, "swarm");
     for (const auto& drone : plan.drones) {
         require_name(drone.name, "drone");
+        if (!is_python_file(drone.kind))
+            require_name(drone.kind, "kind");
         if (!swarm_file::is_machine(drone.host))
             throw Error(Errc::invalid_argument, in_quotes(drone.host) + " is not a valid machine");
     }
     for (const auto& row : plan.engines)
         for (const auto& setting : row.second.settings.flatten())
             if (setting.is_string() && printable(setting.get<std::string>()) != setting.get<std::string>())
-                throw Error(Errc::invalid_argument, in_quotes(setting.get<std::string>())
-                                                        + " has a character that does not belong into a line");
+                throw Error(Errc::invalid_argument,
+                            in_quotes(setting.get<std::string>()) + " contains a control character");
 }
 
 }  // namespace
