@@ -57,7 +57,7 @@ TEST_CASE("axis misbehaviour: broken streams give no broken image")
                                {"truncated=on&length=missing&close_after=-1",
                                 "truncated=off&length=right&close_after=10", "stalled: no complete image"},
                                {"length=short", "length=right", "the camera ended the stream"},
-                               {"length=huge", "length=right", "an image of more than 16 MiB"},
+                               {"length=huge", "length=right", "the camera announces an image of more than 16 MiB"},
                                {"endless_part=on", "endless_part=off", "an image of more than 16 MiB"},
                                {"endless_head=on", "endless_head=off", "a head of more than 8 KiB"},
                                {"cut_after=0", "cut_after=-1", "the camera ended the stream"},
