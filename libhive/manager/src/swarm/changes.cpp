@@ -10,9 +10,9 @@ using What = SwarmStep::What;
 
 std::vector<SwarmFailure> Changes::make(std::span<const SwarmStep> steps)
 {
-    if (steps.front().what == What::connect)
-        return connect(steps);
     try {
+        if (steps.front().what == What::connect)
+            return connect(steps);
         make(steps.front());
         made_.push_back(steps.front());
         return {};
@@ -25,8 +25,11 @@ std::vector<SwarmFailure> Changes::connect(std::span<const SwarmStep> steps)
 {
     std::vector<SwarmConnection> connections;
     std::ranges::transform(steps, std::back_inserter(connections), &SwarmStep::connection);
-    std::vector<SwarmFailure> failures;
+    const auto before = made_.size();
+    made_.insert(made_.end(), steps.begin(), steps.end());  // if the caller cancels meanwhile, any may have been made
     const auto answers = application_.connect(connections);
+    made_.resize(before);
+    std::vector<SwarmFailure> failures;
     for (std::size_t i = 0; i < steps.size(); ++i)
         if (answers[i].error)
             failures.push_back({steps[i].drone, *answers[i].error});
@@ -67,7 +70,8 @@ std::vector<SwarmFailure> Changes::undo()
         try {
             undo(made_.back());
         } catch (const Error& error) {
-            remains.push_back({made_.back().drone, error});
+            if (made_.back().what != What::connect || error.code() != Errc::not_found)  // else it was not made
+                remains.push_back({made_.back().drone, error});
         }
     return remains;
 }
