@@ -48,7 +48,7 @@ std::vector<Json> checked_headers(Collector& collector, const char* field, int f
         const auto frame = event->identity.sequence;
         REQUIRE_MESSAGE(expected.contains(frame), "frame ", frame);
         CHECK_MESSAGE(event->header.at(field) == expected.at(frame), "frame ", frame);
-        expected.erase(frame);  // none comes twice, so all come
+        expected.erase(frame);  // no frame is repeated, so all arrive
         headers.push_back(event->header);
     }
     return headers;

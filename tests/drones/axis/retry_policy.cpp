@@ -101,9 +101,7 @@ TEST_CASE("retry policy: a password is tried three times, then not until it chan
     CHECK(line.next_try() == start + 9s);
 }
 
-TEST_CASE(
-    "retry policy: a password that is tried no more is tried once more for each time that somebody wants it, and the "
-    "text says how")
+TEST_CASE("retry policy: a locked-out password is retried once for each request of an operator, and the text says how")
 {
     RetryPolicy line(start);
     const CameraError wrong(Failure::login_refused, "wrong password");

@@ -473,7 +473,7 @@ TEST_CASE("hivectl record: Ctrl-C is its proper end, and headers alone are repla
     const auto source = swarm.drone("ticker", "source", {"fps=40"});
     const auto file = swarm.home() / "run.hive";
     auto application = swarm.application();
-    const auto receiver = application.collect({{"source", "tick"}});  // bodies that nobody receives are not made
+    const auto receiver = application.collect({{"source", "tick"}});  // a source makes no bodies without a receiver
     auto running = swarm.hivectl_running({"record", "source", "-o", file.string(), "--notify"}, "recording");
     REQUIRE(eventually([&] { return recorded_in(file) > 10; }));
     running.signal(SIGINT);

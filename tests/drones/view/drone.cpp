@@ -270,7 +270,7 @@ TEST_CASE("hivectl view: several started at once each have their own drone")
     CHECK(swarm.application().drones() == std::vector<std::string>{"camera"});
 }
 
-TEST_CASE("hivectl view: without a display it names --http; a drone that sends no images is told so; nothing is left "
+TEST_CASE("hivectl view: without a display it names --http; a drone without images is refused; no process is left "
           "running")
 {
     const Swarm swarm;

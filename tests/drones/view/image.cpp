@@ -126,8 +126,8 @@ TEST_CASE("exchange: a slow reader gets the newest; unviewed images are freed")
     CHECK(first.expired());
 }
 
-TEST_CASE("image: captioned anew it has no rate, another text, the same pixels, which are not decoded again, and the "
-          "same problem")
+TEST_CASE(
+    "image: with another caption it has no rate, the same pixels, which are not decoded again, and the same problem")
 {
     int decoded = 0;
     const view::Origin origin{.sender = "camera.image",
@@ -163,8 +163,7 @@ TEST_CASE("image: captioned anew it has no rate, another text, the same pixels, 
     CHECK_FALSE(Image(origin, {[] { return grey; }, nullptr}, {.overlay = false}).recaptioned());
 }
 
-TEST_CASE(
-    "exchange: when no more images come, the text on the last is to be written anew once a second, for all who look")
+TEST_CASE("exchange: after the last image, its text is updated once per second for all viewers")
 {
     const view::Exchange::Time begin{1000s};
     view::Exchange exchange(Image::of_notice("no image yet"));
