@@ -5,7 +5,7 @@
 
 namespace hive::mixtures {
 
-Condition::Condition(const Topology& topology)
+Condition::Condition(const Topology& topology) : topology_(topology)
 {
     for (const auto& drone : topology.drones())
         lives_[drone] = Life::up;
@@ -30,6 +30,11 @@ void Condition::follow(const Step& step)
     case Verb::thaw:
     case Verb::resume: lives_[step.drone] = Life::up; break;
     case Verb::connect: connected_.insert({step.sender, step.drone}); break;
+    case Verb::connect_all:
+        for (const auto& edge : topology_.edges())
+            if (runs(edge.sender) && runs(edge.receiver))
+                connected_.insert({edge.sender, edge.receiver});
+        break;
     case Verb::disconnect: connected_.erase({step.sender, step.drone}); break;
     case Verb::stop:
         lives_[step.drone] = Life::stopped;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "model.hpp"
+#include "orders.hpp"
 #include "status_of.hpp"
 #include "values.hpp"
 
@@ -43,7 +44,10 @@ public:
     [[nodiscard]] virtual bool all_hear() const { return true; }
 
     virtual void connect(const Edge& edge) = 0;
-    /// All steps but the sets. Throws what a drone answers.
+    /// By an application of its own: two may be under way.
+    virtual std::vector<ConnectAnswer> connect(const std::vector<SwarmConnection>& connections,
+                                               std::chrono::milliseconds timeout) = 0;
+    /// All steps but the sets and `connect all`. Throws what a drone answers.
     virtual void perform(const Step& step) = 0;
     /// How many events the source may make.
     [[nodiscard]] virtual std::int64_t fed() const = 0;

@@ -76,7 +76,7 @@ Outcome outcome_of(const Event& event, bool failed)
     return outcome;
 }
 
-Model::Model(const Topology& topology) : topology_(topology), condition_(topology)
+Model::Model(const Topology& topology) : topology_(topology), condition_(topology_)
 {
     excuse_receivers_of(source);  // they are connected one after the other
 }
@@ -91,7 +91,9 @@ void Model::before(const Step& step)
         stopped_.insert(step.drone);
     else if (step.verb == Verb::start)
         stopped_.erase(step.drone);
-    if (step.verb == Verb::connect)
+    if (step.verb == Verb::connect_all)
+        std::erase_if(alone_, [&](const auto& edge) { return was.runs(edge.first) && was.runs(edge.second); });
+    else if (step.verb == Verb::connect)
         alone_.erase({step.sender, step.drone});
     else if (step.verb == Verb::change && topology_.edge_of(step).options.group.empty())
         alone_.insert({step.sender, step.drone});

@@ -17,6 +17,7 @@ public:
           forgets_(plan.faults.contains(fault::forget)),
           replaces_(plan.faults.contains(fault::replace)),
           parts_(plan.faults.contains(fault::part)),
+          connects_(plan.faults.contains(fault::connect_all)),
           condition_(topology_)
     {
     }
@@ -64,6 +65,8 @@ private:
         about_sets(choices);
         for (int i = 0; i < (parts_ ? 8 : 0); ++i)
             choices.push_back({.verb = Verb::part});
+        for (int i = 0; i < (connects_ ? 12 : 0); ++i)
+            choices.push_back({.verb = Verb::connect_all});
         take(random_.pick(choices));
     }
 
@@ -106,7 +109,7 @@ private:
             return;
         for (int i = 0; i < 2 && connected && edge.receiver != watcher; ++i)
             choices.push_back({.verb = Verb::change, .drone = edge.receiver, .sender = edge.sender});
-        for (int i = 0; i < (connected ? 2 : 15); ++i)
+        for (int i = 0; i < (connects_ ? (connected ? 6 : 1) : (connected ? 2 : 15)); ++i)
             choices.push_back(
                 {.verb = connected ? Verb::disconnect : Verb::connect, .drone = edge.receiver, .sender = edge.sender});
     }
@@ -130,6 +133,7 @@ private:
         case Verb::freeze: return freeze(step);
         case Verb::thaw: return thaw(step.drone);
         case Verb::replace: return replace(std::move(step));
+        case Verb::connect_all: return connect_all(std::move(step));
         case Verb::fail:
             step.second = random_.between(0, 3);
             step.number = step.second == static_cast<int>(Failure::hangs) ? random_.between(100, 6000) : 0;
@@ -172,6 +176,25 @@ private:
         add(std::move(step));
     }
 
+    void connect_all(Step step)
+    {
+        step.second = static_cast<int>(random_.pick(std::vector{
+            Meanwhile::nothing, Meanwhile::twice, Meanwhile::other_too, Meanwhile::kill_old, Meanwhile::kill_caller}));
+        step.number = random_.between(1, 60);
+        std::vector<std::string> drones;
+        for (const auto& [drone, life] : condition_.lives())
+            if (life == Life::up && drone != watcher)
+                drones.push_back(drone);
+        const auto meanwhile = static_cast<Meanwhile>(step.second);
+        if (meanwhile == Meanwhile::other_too || meanwhile == Meanwhile::kill_old) {
+            if (drones.empty())
+                step.second = 0;
+            else
+                step.drone = random_.pick(drones);
+        }
+        add(std::move(step));
+    }
+
     /// Whether it shares makes no difference to what a worker owes that is alone.
     bool may_regroup(const std::string& worker) const
     {
@@ -210,7 +233,7 @@ private:
 
     const Topology& topology_;
     Random& random_;
-    const bool forgets_, replaces_, parts_;
+    const bool forgets_, replaces_, parts_, connects_;
     Condition condition_;
     std::map<std::string, int> frozen_ms_;
     std::vector<Step> steps_;

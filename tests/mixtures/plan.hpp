@@ -70,8 +70,9 @@ enum class Verb {
     rest,          ///< nothing: only wait and check
     forget,        ///< `sender` waits no longer for `drone`, which was killed; it comes back by itself when it starts
     replace,  ///< another process takes the drone over, and Meanwhile(`second`) happens, after `number` milliseconds
-    fail,     ///< the drone's code fails, once, at one of the next events, as Failure(`second`) says
-    part,     ///< for `number` ms nothing passes between two machines, or only in one direction (`second` 1, 2)
+    connect_all,  ///< all connections in one list, and Meanwhile(`second`) happens to `drone`, after `number` x 0.1 ms
+    fail,         ///< the drone's code fails, once, at one of the next events, as Failure(`second`) says
+    part,         ///< for `number` ms nothing passes between two machines, or only in one direction (`second` 1, 2)
     // Only on several machines (../soak); no plan draws these.
     cut,          ///< the machine `drone` has no network
     mend,         ///< it has again
@@ -80,15 +81,15 @@ enum class Verb {
 };
 std::string_view token(Verb verb) noexcept;
 
-/// While a drone is replaced.
+/// While a drone is replaced, or all are connected.
 enum class Meanwhile {
     nothing,
     other_kind,  ///< nothing, but the new one is another program with the same ports
-    twice,       ///< it is replaced once more
-    other_too,   ///< the drone `sender` is replaced as well
-    kill_old,
+    twice,       ///< it is replaced once more; another application connects all, too
+    other_too,   ///< the drone `sender` is replaced as well; a drone is replaced
+    kill_old,    ///< or a drone
     kill_new,
-    kill_caller,  ///< the process that replaces it
+    kill_caller,  ///< the process that replaces it; who connects gives up
     set_all,      ///< work_ms and most_ms of all workers that run; `number` is the work_ms
 };
 std::string_view token(Meanwhile meanwhile) noexcept;
@@ -115,6 +116,7 @@ inline const std::string bodies = "bodies";            ///< of up to 300 KiB, en
 inline const std::string crash_point = "crash-point";  ///< a killed drone dies between two writes of a handler
 inline const std::string clocks = "clocks";            ///< the drones are on two machines
 inline const std::string clock_step = "clock-step";    ///< the time of day is set, back as well
+inline const std::string connect_all = "connect-all";  ///< steps of that name
 inline const std::string ends = "ends";                ///< the source ends when it has made what it may
 inline const std::string fail = "fail";                ///< steps of that name
 inline const std::string forget = "forget";            ///< steps of that name

@@ -73,6 +73,7 @@ void Round::perform(const Step& step)
     case Verb::set_all: return set(step);
     case Verb::set_twice: return set_twice(step);
     case Verb::set_and_kill: return set_and_kill(step);
+    case Verb::connect_all: return connect_all(step);
     case Verb::replace:
         if (step.second == static_cast<int>(Meanwhile::set_all))
             return set_and_replace(step);
@@ -140,6 +141,51 @@ void Round::set_and_replace(const Step& step)
     ground_.at_once(set, [&] { ground_.perform(step); });
     if (auto problem = values_.set(all, told == Told::applied ? told : Told::unknown))
         problems_.push_back(*problem);
+}
+
+/// Says what is not connected of all that can answer.
+/// @param timeout  the caller gives up then
+Problems Round::connect_all(std::chrono::milliseconds timeout)
+{
+    std::vector<SwarmConnection> all;
+    const auto names = ground_.answering();
+    for (const auto& [sender, receiver, options] : plan_.topology.edges())
+        if (std::ranges::count(names, sender) > 0 && std::ranges::count(names, receiver) > 0)
+            all.push_back({{sender, Topology::output_of(sender)}, {receiver, "image"}, options});
+    Problems problems;
+    for (const auto& [sender, receiver, error] : ground_.connect(all, timeout))
+        if (error)
+            problems.push_back("connect all: " + to_text(sender) + " and " + to_text(receiver) + ": " + error->what());
+    return problems;
+}
+
+/// Whatever happens meanwhile: whoever repeats it afterwards connects all.
+void Round::connect_all(const Step& step)
+{
+    const auto time = std::chrono::microseconds(100 * step.number);
+    const auto besides = [&](const std::function<void()>& other) {
+        Problems problems;
+        ground_.at_once([&] { problems = connect_all(); },
+                        [&] {
+                            ground_.sleep(time);
+                            other();
+                        });
+        return problems;
+    };
+    const auto note = [&](const Problems& problems) {
+        problems_.insert(problems_.end(), problems.begin(), problems.end());
+    };
+    switch (static_cast<Meanwhile>(step.second)) {
+    case Meanwhile::twice: note(besides([&] { note(connect_all()); })); break;
+    case Meanwhile::other_too: besides([&] { ground_.perform({.verb = Verb::replace, .drone = step.drone}); }); break;
+    case Meanwhile::kill_old:
+        besides([&] { ground_.perform({.verb = Verb::kill, .drone = step.drone}); });
+        ground_.perform({.verb = Verb::start, .drone = step.drone});
+        break;
+    case Meanwhile::kill_caller: connect_all(std::chrono::ceil<std::chrono::milliseconds>(time)); break;
+    default: break;
+    }
+    note(connect_all());
 }
 
 void Round::listen()

@@ -58,6 +58,8 @@ private:
     void set_twice(const Step& step);
     void set_and_kill(const Step& step);
     void set_and_replace(const Step& step);
+    void connect_all(const Step& step);
+    Problems connect_all(std::chrono::milliseconds timeout = Application::Options().timeout);
     [[nodiscard]] Change change(int work_ms, int most_ms) const;
     void look();
     Problems watch(const Statuses& statuses);

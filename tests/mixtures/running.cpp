@@ -72,6 +72,12 @@ void Running::connect(const Edge& edge)
     application_.connect({edge.sender, Topology::output_of(edge.sender)}, {edge.receiver, "image"}, edge.options);
 }
 
+std::vector<ConnectAnswer> Running::connect(const std::vector<SwarmConnection>& connections,
+                                            std::chrono::milliseconds timeout)
+{
+    return swarm_.application(timeout).connect(connections);
+}
+
 void Running::perform(const Step& step)
 {
     switch (step.verb) {

@@ -25,6 +25,8 @@ public:
         return std::chrono::duration_cast<std::chrono::microseconds>(now() - begun_);
     }
     void connect(const Edge& edge) override;
+    std::vector<ConnectAnswer> connect(const std::vector<SwarmConnection>& connections,
+                                       std::chrono::milliseconds timeout) override;
     void perform(const Step& step) override;
     [[nodiscard]] std::int64_t fed() const override { return fed_; }
     Told set(const Change& change) override;

@@ -23,6 +23,7 @@ bool can_be_done(const Step& step, const Condition& condition)
     case Verb::replace:
         return is(Life::up) ? step.sender.empty() || condition.life(step.sender) == Life::up
                             : is(Life::halted) && step.second <= static_cast<int>(Meanwhile::other_kind);
+    case Verb::connect_all: return step.drone.empty() || is(Life::up);
     case Verb::fail: return is(Life::up);
     case Verb::thaw: return is(Life::frozen);
     case Verb::resume: return is(Life::halted);

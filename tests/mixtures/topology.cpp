@@ -45,10 +45,10 @@ std::string words(const ConnectionOptions& options)
     return text;
 }
 
-constexpr std::array verbs{"feed",    "connect", "change",    "disconnect", "kill",    "start",
-                           "freeze",  "thaw",    "halt",      "resume",     "stop",    "set one",
-                           "set all", "set two", "set, kill", "rest",       "forget",  "replace",
-                           "fail",    "part",    "cut",       "mend",       "swallow", "let through"};
+constexpr std::array verbs{"feed",      "connect", "change",  "disconnect", "kill",        "start",   "freeze",
+                           "thaw",      "halt",    "resume",  "stop",       "set one",     "set all", "set two",
+                           "set, kill", "rest",    "forget",  "replace",    "connect all", "fail",    "part",
+                           "cut",       "mend",    "swallow", "let through"};
 constexpr std::array failures{"", "and halts", "and crashes", "and hangs"};
 constexpr std::array meanwhiles{"",
                                 "by another kind",
@@ -163,7 +163,7 @@ std::string to_text(const Step& step)
         text += " after " + std::to_string(step.number) + " ms";
     else if (step.number > 0)
         text += " " + std::to_string(step.number);
-    if (step.second > 0 && step.verb == Verb::replace)
+    if (step.second > 0 && (step.verb == Verb::replace || step.verb == Verb::connect_all))
         text += " " + std::string(token(static_cast<Meanwhile>(step.second)));
     else if (step.second > 0 && step.verb == Verb::fail)
         text += " " + std::string(token(static_cast<Failure>(step.second)));

@@ -29,9 +29,9 @@ int main(int argc, char** argv)
         return played;
     };
     const int code = hive::mixtures::play_rounds(app, argc, argv, play,
-                                                 {fault::bodies, fault::clocks, fault::clock_step, fault::crash_point,
-                                                  fault::ends, fault::fail, fault::forget, fault::lie, fault::part,
-                                                  fault::replace, fault::silence});
+                                                 {fault::bodies, fault::clocks, fault::clock_step, fault::connect_all,
+                                                  fault::crash_point, fault::ends, fault::fail, fault::forget,
+                                                  fault::lie, fault::part, fault::replace, fault::silence});
     const Seconds took = std::chrono::steady_clock::now() - begin;
     std::cout << std::fixed << std::setprecision(0) << "a second: " << static_cast<double>(histories) / took.count()
               << " histories, " << simulated / took << " simulated seconds, "

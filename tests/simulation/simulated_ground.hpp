@@ -58,6 +58,8 @@ public:
     }
     [[nodiscard]] std::chrono::milliseconds pace() const override { return std::chrono::milliseconds(50); }
     void connect(const mixtures::Edge& edge) override;
+    std::vector<ConnectAnswer> connect(const std::vector<SwarmConnection>& connections,
+                                       std::chrono::milliseconds timeout) override;
     void perform(const mixtures::Step& step) override;
     [[nodiscard]] std::int64_t fed() const override { return fed_; }
     mixtures::Told set(const mixtures::Change& change) override;

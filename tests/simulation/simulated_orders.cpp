@@ -16,7 +16,14 @@ using mixtures::Told;
 using mixtures::Topology;
 using mixtures::Verb;
 
-/// Once more when the connection over which the receiver registers is cut.
+namespace {
+
+/// The connection over which a receiver registers.
+bool is_cut(const std::optional<Error>& error) { return error && error->code() == Errc::connection_lost; }
+
+}  // namespace
+
+/// Once more when it is cut, as the list below.
 void SimulatedGround::connect(const Edge& edge)
 {
     const auto connect = [&] {
@@ -28,11 +35,25 @@ void SimulatedGround::connect(const Edge& edge)
     try {
         connect();
     } catch (const Error& error) {
-        if (error.code() != Errc::connection_lost)
+        if (!is_cut(error))
             throw;
         world_.sleep(100ms);
         connect();
     }
+}
+
+std::vector<ConnectAnswer> SimulatedGround::connect(const std::vector<SwarmConnection>& connections,
+                                                    std::chrono::milliseconds timeout)
+{
+    until([this] { return world_.now() >= reachable_from_ && all_hear(); });
+    Application application(application_named("connector-" + std::to_string(++callers_), timeout));
+    auto& calls = timeout < short_timeout ? impatient_calls_ : calls_;
+    const auto connect = [&] { return calls.keep("connect all", [&] { return application.connect(connections); }); };
+    const auto answers = connect();
+    if (std::ranges::none_of(answers, [](const ConnectAnswer& answer) { return is_cut(answer.error); }))
+        return answers;
+    world_.sleep(100ms);
+    return connect();
 }
 
 /// A verb that reaches a drone through another one may wait while the link between the two is silenced.

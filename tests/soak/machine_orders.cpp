@@ -80,6 +80,13 @@ void Machines::connect(const Edge& edge)
     application_->connect({edge.sender, Topology::output_of(edge.sender)}, {edge.receiver, "image"}, edge.options);
 }
 
+/// The soak connects one at a time.
+std::vector<ConnectAnswer> Machines::connect(const std::vector<SwarmConnection>& connections,
+                                             std::chrono::milliseconds /*timeout*/)
+{
+    return application_->connect(connections);
+}
+
 void Machines::perform(const Step& step)
 {
     switch (step.verb) {

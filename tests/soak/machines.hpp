@@ -50,6 +50,8 @@ public:
     /// Also shortly after a failure of the network: a peer that was declared dead has to connect again.
     [[nodiscard]] bool all_hear() const override;
     void connect(const mixtures::Edge& edge) override;
+    std::vector<ConnectAnswer> connect(const std::vector<SwarmConnection>& connections,
+                                       std::chrono::milliseconds timeout) override;
     void perform(const mixtures::Step& step) override;
     [[nodiscard]] std::int64_t fed() const override { return fed_; }
     mixtures::Told set(const mixtures::Change& change) override;

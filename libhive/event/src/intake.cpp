@@ -57,6 +57,15 @@ void Intake::start(OnOutcome first, Clock::time_point until)
     attempt();
 }
 
+void Intake::await(OnOutcome another, Clock::time_point until)
+{
+    first_until_ = std::max(first_until_, until);
+    first_ = [first = std::move(first_), another = std::move(another)](const Outcome& outcome) {
+        first(outcome);
+        another(outcome);
+    };
+}
+
 void Intake::change(const ConnectionOptions& options, OnOutcome on_outcome)
 {
     before_ = std::exchange(spec_.options, options);
@@ -144,8 +153,7 @@ void Intake::register_on(const LinkPtr& link, Clock::time_point deadline)
         if (!self || self->stopped() || !there || there != self->link_)
             return;
         if (const auto* error = std::get_if<Error>(&outcome)) {
-            there->release_channel(self->channel_);
-            self->link_.reset();
+            self->release_link();
             return self->failed(*error);
         }
         self->confirmed(there, std::get<Json>(outcome), held);
@@ -167,7 +175,7 @@ void Intake::confirmed(const LinkPtr& link, const Json& result, std::int64_t hel
                            .turn = fields.integer_or("turn", 0, max_json_integer, 0),
                            .closed = fields.integer_or("closed", 0, max_json_integer, 0)};
     } catch (const Error& error) {
-        link_.reset();  // no pending call would report its end any more
+        release_link();  // no pending call would report its end any more
         link->close(error);
         return failed(error);
     }
@@ -252,7 +260,7 @@ void Intake::hand_over()
         tell(progress_.last_news());
     progress_.forget();
     connected_ = false;
-    link_.reset();
+    release_link();  // what arrives from now on is sent again, to the other process
 }
 
 void Intake::leave_now()
@@ -287,11 +295,10 @@ void Intake::try_to_leave()
         std::exchange(self->on_left_, [] {})();
         self->end_if_done();
     };
-    const auto link = std::exchange(link_, nullptr);
+    const auto link = release_link();
     connected_ = false;
     if (!link || !link->open())
         return tell();
-    link->release_channel(channel_);
     link->request(
         PacketType::deregister, Json::object(), {}, Clock::now() + patience, [tell](const Outcome&) { tell(); },
         channel_);
@@ -305,6 +312,14 @@ void Intake::end_if_done()
         ended += count;
     if (stage_ >= Stage::leaving && ended == received_)
         module_.gone(shared_from_this());
+}
+
+/// What arrives on its channel from now on is for nobody.
+LinkPtr Intake::release_link()
+{
+    if (link_)
+        link_->release_channel(channel_);
+    return std::exchange(link_, nullptr);
 }
 
 void Intake::link_closed(const Link& link)

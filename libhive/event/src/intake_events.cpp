@@ -61,8 +61,7 @@ bool Intake::unsure() const
 void Intake::dropped()
 {
     const auto text = spec_.sender + "." + spec_.output + " was disconnected from " + spec_.receiver + " at its sender";
-    link_->release_channel(channel_);
-    link_.reset();
+    release_link();
     disconnected();
     problem_ = Error(Errc::refused, text);
     note_end(text);
@@ -89,7 +88,7 @@ void Intake::on_packet(const protocol::Packet& packet)
     if (packet.type == PacketType::notification)
         event.identity.lossless = false;  // it may be skipped, so what comes of it is held for nobody
     ++received_;
-    const auto offset = event.identity.offset_us + (link_ ? link_->peer_clock().offset_us() : 0);
+    const auto offset = event.identity.offset_us + link_->peer_clock().offset_us();
     event.identity.offset_us = std::clamp(offset, -max_json_integer, max_json_integer);  // both are a peer's word
     age_us_ = std::clamp<std::int64_t>(event.age().count(), -max_json_integer, max_json_integer);
     event.input = spec_.input;

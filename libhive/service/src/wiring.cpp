@@ -184,6 +184,8 @@ void Wiring::connect(IntakeSpec spec, event::Clock::time_point until, event::OnO
             on_outcome(outcome);
         });
     const auto earlier = earlier_ones(spec);
+    if (!earlier.empty() && earlier.back()->awaited() && earlier.back()->spec() == spec)
+        return earlier.back()->await(std::move(on_outcome), until);  // two have asked for the same
     if (earlier.empty() && module_.intakes().size() >= max_connections)
         throw Error(Errc::refused, module_.self().name + " has " + std::to_string(max_connections) + " connections");
     for (const auto& intake : earlier)

@@ -30,6 +30,8 @@ struct IntakeSpec {
     std::string accepts = "*/*";
     bool stateful = false;
     ConnectionOptions options = {};
+
+    bool operator==(const IntakeSpec&) const = default;
 };
 
 /// The progress of a group's turns, as known to one of its members.
@@ -52,6 +54,9 @@ public:
     /// Dials and registers. `first` gets the outcome of the first attempt that is answered, or of the third; of the
     /// first one if there is no time for another one until then. Later losses are repaired silently.
     void start(OnOutcome first, Clock::time_point until = {});
+    /// Does somebody wait for the outcome of three attempts? Then another one may wait for it as well.
+    [[nodiscard]] bool awaited() const noexcept { return first_ && first_until_ != Clock::time_point(); }
+    void await(OnOutcome another, Clock::time_point until);
     /// Continues with other options at the same place, so that nothing is lost or repeated. If the sender refuses them,
     /// the old options stay. For a connected intake that neither is nor becomes a member of a group.
     void change(const ConnectionOptions& options, OnOutcome on_outcome);
@@ -112,6 +117,7 @@ private:
     [[nodiscard]] bool in_short_break() const;
     void register_on(const LinkPtr& link, Clock::time_point deadline);
     void confirmed(const LinkPtr& link, const Json& result, std::int64_t held);
+    LinkPtr release_link();
     void keep_time();
     void failed(const Error& error);
     void retry();
