@@ -108,15 +108,24 @@ void Module::halt(bool halted)
 void Module::settle()
 {
     loop_->serve();
-    loop_->wait(Clock::now() + patience_at_end,
-                [this] { return std::ranges::none_of(intakes_, [](const auto& intake) { return intake->owes(); }); });
+    loop_->wait(Clock::now() + patience_at_end, [this] {
+        return std::ranges::none_of(all_intakes(), [](const auto& intake) { return intake->owes(); });
+    });
 }
 
 void Module::hand_over()
 {
     handed_over_ = true;
-    for (const auto& intake : std::exchange(intakes_, {}))
+    for (const auto& intake : all_intakes())
         intake->hand_over();
+    intakes_.clear();
+}
+
+std::vector<std::shared_ptr<Intake>> Module::all_intakes() const
+{
+    auto all = intakes_;
+    all.insert(all.end(), leaving_.begin(), leaving_.end());
+    return all;
 }
 
 Outlet& Module::add_outlet(Port port, PacketType carrier, Encoder encoder)

@@ -172,6 +172,8 @@ private:
     void adopt(const LinkPtr& link, OnLink ready);
     void dialed(const std::string& key, const Result<LinkPtr>& link);
     void last_one_gone();
+    /// Those that are leaving, too.
+    [[nodiscard]] std::vector<std::shared_ptr<Intake>> all_intakes() const;
     void on_packet(Link& link, const protocol::Packet& packet);
     bool make_room(Role newcomer, const std::function<bool(const Link&)>& may_go);
     [[nodiscard]] std::size_t peers(bool (*like)(const Link&)) const;
