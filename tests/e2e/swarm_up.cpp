@@ -292,6 +292,46 @@ exec sleep 60
     CHECK(swarm.hivectl_done({"down"}).empty());
 }
 
+/// Of a whole file, and of one whose drones are up and only have to be connected.
+TEST_CASE("up: Ctrl-C at any moment leaves all as it was, or comes too late")
+{
+    const auto seed = seed_of_test();
+    INFO("HIVE_TEST_SEED=" << seed);
+    std::mt19937_64 random(seed);
+    const Swarm swarm;
+    auto unconnected = workers_file(6);
+    unconnected.erase("connections");
+    const File file(swarm, workers_file(6));
+    const char* const more = std::getenv("HIVE_TEST_ROUNDS");
+    const int rounds = more ? std::stoi(more) : sanitized() ? 4 : 16;
+    for (int round = 0; round < rounds; ++round) {
+        INFO("round " << round);
+        const bool drones_are_up = round % 2 == 0;
+        const auto begin = [&] {
+            swarm.hivectl_done({"down"});
+            file.write(unconnected);
+            if (drones_are_up)
+                swarm.hivectl_done({"up", file});
+            file.write(workers_file(6));
+        };
+        begin();
+        const auto took = std::chrono::microseconds(swarm.hivectl({"up", file}, 60'000ms).took).count();
+        begin();
+        auto up = swarm.hivectl_running({"up", file}, "up");
+        std::this_thread::sleep_for(std::chrono::microseconds(random() % static_cast<std::uint64_t>(took)));
+        up.signal(SIGINT);
+        const auto code = up.wait(patient(20'000ms));
+        INFO(swarm.log("up"));
+        if (code == 0) {
+            CHECK(steps(swarm, file).empty());
+            continue;
+        }
+        CHECK(code == 130);
+        CHECK(has_processes(swarm, drones_are_up ? 8 : 0));
+        CHECK((drones_are_up ? edges(swarm) : 0) == 0);
+    }
+}
+
 TEST_CASE("up: two at once make one swarm")
 {
     const Swarm swarm;
