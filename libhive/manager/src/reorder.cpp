@@ -45,6 +45,8 @@ bool Reorder::push(Event event, TimePoint now)
         miss(key_of(*share), share->turn);
     if (share->turn < line.first || line.passed.contains(share->turn) || line.failed.contains(share->turn))
         return false;
+    if (line.waiting.empty())
+        line.stuck_since = now;  // until now nothing waited for an earlier result
     line.waiting.emplace(share->turn, std::move(event));
     advance(line, now);
     return true;
@@ -151,7 +153,7 @@ Reorder::TimePoint Reorder::due(const Line& line) const
         return line.stuck_since;
     if (line.lossless && line.expected <= line.closed)
         return line.stuck_since;
-    if (line.expected <= line.joined && !line.open.contains(line.expected))
+    if (!line.lossless && line.expected <= line.joined && !line.open.contains(line.expected))
         return line.stuck_since + std::min(patience_, join_patience);
     return line.stuck_since
            + (line.finished || line.expected <= line.closed ? std::min(patience_, closed_patience) : patience_);

@@ -24,7 +24,8 @@ public:
     static constexpr std::size_t live_window = 64;  ///< maximum number of live results that wait for an earlier one
     /// For a closed turn: the result may still be in flight, or the worker made none.
     static constexpr std::chrono::milliseconds closed_patience{200};
-    /// For a turn that was dispatched before receiving began, and that no worker has in hand.
+    /// For a live turn that was dispatched before receiving began, and that no worker has in hand. A lossless one
+    /// either comes or is closed soon.
     static constexpr std::chrono::milliseconds join_patience{500};
     static constexpr std::size_t remembered_turns = 1000;  ///< kept of those given up
     static constexpr std::size_t max_sources = 64;         ///< maximum number of sources per line

@@ -299,10 +299,11 @@ TEST_CASE("reorder: who joins in the middle waits for what a worker has in hand,
 {
     Reorder reorder(30s);
     reorder.expect(standing(12, 9), {10, 12});
-    push(reorder, {13, 12}, {.closed = 9});
+    const Made live{.closed = 9, .lossless = false};
+    push(reorder, {13, 12}, live);
     reorder.expire(start + 29s);
     CHECK(drain(reorder).empty());
-    push(reorder, {10}, {.closed = 9}, start + 29s);
+    push(reorder, {10}, live, start + 29s);
     CHECK(drain(reorder) == Turns{10});
     // Turn 11 was given out before this began to receive, and no worker has it: its result went elsewhere.
     reorder.expire(start + 29s + Reorder::join_patience - 1ns);
@@ -312,11 +313,39 @@ TEST_CASE("reorder: who joins in the middle waits for what a worker has in hand,
     CHECK(reorder.missing() == 0);
 }
 
-TEST_CASE("reorder: a turn that a worker had in hand when this joined is missing when it never comes")
+TEST_CASE("reorder: a lossless turn that no worker seemed to have in hand comes, or is closed soon")
+{
+    Reorder reorder(30s);
+    reorder.expect(standing(12, 9), {});
+    push(reorder, {12}, {.closed = 9});
+    reorder.expire(start + 29s);
+    CHECK(drain(reorder).empty());
+    CHECK(push(reorder, {11}, {.closed = 9}, start + 29s));  // dispatched after its worker had reported
+    CHECK(drain(reorder).empty());
+    push(reorder, {13}, {.closed = 10}, start + 29s);
+    reorder.expire(start + 29s);
+    CHECK(drain(reorder) == Turns{11, 12, 13});
+    CHECK(reorder.missing() == 0);
+}
+
+TEST_CASE("reorder: a result is awaited from the time on when a later one waits for it")
+{
+    for (const bool lossless : {true, false}) {
+        Reorder reorder(1s);
+        push(reorder, {1}, {.lossless = lossless});
+        push(reorder, {3}, {.lossless = lossless}, start + 10s);  // two workers, an event each 10 s
+        reorder.expire(start + 11s - 1ns);
+        CHECK(drain(reorder) == Turns{1});
+        push(reorder, {2}, {.lossless = lossless}, start + 11s - 1ns);
+        CHECK(drain(reorder) == Turns{2, 3});
+    }
+}
+
+TEST_CASE("reorder: a live turn that a worker had in hand when this joined is missing when it never comes")
 {
     Reorder reorder(1s);
     reorder.expect(standing(3, 1), {2});
-    push(reorder, {4}, {.closed = 1});
+    push(reorder, {4}, {.closed = 1, .lossless = false});
     reorder.expire(start + 1s - 1ns);
     CHECK(drain(reorder).empty());
     reorder.expire(start + 1s);
