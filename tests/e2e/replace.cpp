@@ -5,9 +5,11 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <fstream>
 #include <random>
 #include <set>
+#include <thread>
 
 #include <signal.h>
 
@@ -223,6 +225,28 @@ TEST_CASE("replace: when the new one is killed after the old one was asked, anot
     REQUIRE(line.take_until_ended(command) == 0);
     CHECK(line.pid("worker") != asking);
     line.take(10);
+}
+
+TEST_CASE("replace: a question that meets neither of the two processes waits for the new one")
+{
+    const Swarm swarm;
+    const auto sleeper = swarm.drone("sleeper", "worker");
+    auto application = swarm.application();
+    std::atomic<bool> over = false;
+    std::string failure;
+    std::thread asking([&] {
+        try {
+            while (!over)
+                application.get("worker");
+        } catch (const hive::Error& error) {
+            failure = error.what();
+        }
+    });
+    for (int i = 0; i < 5; ++i)
+        swarm.hivectl_done({"replace", "worker"});
+    over = true;
+    asking.join();
+    CHECK_MESSAGE(failure.empty(), failure);
 }
 
 TEST_CASE("replace: of two at once one waits or is refused, and one drone runs")

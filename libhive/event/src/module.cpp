@@ -394,6 +394,7 @@ void Module::tick()
         expire_asked(*link, now);
     }
     expire_dialing(now);
+    std::ranges::move(std::exchange(refused_, {}), std::back_inserter(to_dial_));
     dial_next();
     for (auto& outlet : outlets_)
         if (outlet.timed())

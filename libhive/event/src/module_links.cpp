@@ -90,9 +90,15 @@ void Module::dial(const transport::Address& address, const std::string& key, Clo
                                    std::chrono::milliseconds(1));
     transport::dial(
         context(), address, patience,
-        [this, key](Result<std::shared_ptr<transport::Connection>> connection) {
-            if (const auto* error = error_of(connection))
-                return dialed(key, *error);
+        [this, address, key](Result<std::shared_ptr<transport::Connection>> connection) {
+            if (const auto* error = error_of(connection)) {
+                const bool again = !ending_ && error->code() == Errc::unreachable && options_.listens_soon
+                                   && options_.listens_soon(address);
+                if (!again)
+                    return dialed(key, *error);
+                under_way_.erase(key);
+                return refused_.push_back(address);
+            }
             if (ending_)
                 return dialed(key, Error(Errc::stopped, options_.self.name + " is ending"));
             adopt(make_link(value_or_none(std::move(connection)), Link::End::dialed),

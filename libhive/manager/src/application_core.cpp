@@ -43,6 +43,13 @@ std::pair<std::size_t, std::size_t> most_connections()
     return {most / 4 * 3, most / 8};
 }
 
+/// Between the two processes of a replace none listens.
+bool is_replaced(const event::Home& home, const transport::Address& address)
+{
+    const auto drone = std::filesystem::path(address.host).stem().string();
+    return is_name(drone) && address == home.address(drone) && home.succession(drone);
+}
+
 /// The key file is read only when a drone is dialed over tcp.
 std::shared_ptr<transport::KeyRing> keys_of(const Application::Options& options)
 {
@@ -81,6 +88,7 @@ Application::Core::Core(Application::Options options)
               .timing = {},
               .keys = keys_of(options),
               .most_dialed = most_connections().first,
+              .listens_soon = [this](const auto& address) { return is_replaced(directory.home(), address); },
               .most_dialing = most_connections().second})
 {
     module.start();

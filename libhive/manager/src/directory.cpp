@@ -22,8 +22,8 @@ public:
     }
     [[nodiscard]] std::vector<Place> places_of(const std::string& drone) const override
     {
-        if (!is_name(drone) || !home_.alive(drone))
-            return {};
+        if (!is_name(drone) || !(home_.alive(drone) || home_.succession(drone) || home_.alive(drone)))
+            return {};  // it was not replaced between the two looks, either
         return {{.drone = drone, .host = Place::here, .address = to_text(home_.address(drone))}};
     }
 

@@ -33,6 +33,7 @@ struct DroneCore::Running {
     Json first_state(DroneCore& core);
 
     event::Home home{event::default_home()};
+    std::optional<event::NameClaim> succession;
     std::optional<event::NameClaim> claim;  ///< until the end, which this object may outlive
     Json left;                              ///< saved by a drone that crashed, or is to be replaced
     service::ListenWish wish;
@@ -223,7 +224,8 @@ void DroneCore::begin_work()
 bool DroneCore::take_over()
 {
     auto& running = *running_;
-    const bool halted = service::take_over(running.module, running.home, running.claim, *settings_.take_over);
+    const bool halted =
+        service::take_over(running.module, running.home, running.claim, running.succession, *settings_.take_over);
     auto left = left_state(running.home);
     if (left == running.left)
         return halted;
@@ -267,6 +269,7 @@ void DroneCore::serve()
         if (settings_.signals)
             module.on_signal([this](int) { end(); });
         running_->listening.begin(running_->wish, running_->left);
+        running_->succession.reset();
         running_->requests.restore(running_->left, settings_.connections, settings_.expected);
         running_->supervised.ready();
     });

@@ -57,10 +57,10 @@ void await_name(event::Module& module, const event::Home& home, std::optional<ev
 }  // namespace
 
 bool take_over(event::Module& module, const event::Home& home, std::optional<event::NameClaim>& claim,
-               event::Clock::time_point ready_by)
+               std::optional<event::NameClaim>& succession, event::Clock::time_point ready_by)
 {
     const auto& name = module.self().name;
-    const event::NameClaim succession(home, name, event::NameClaim::To::succession);
+    succession.emplace(home, name, event::NameClaim::To::succession);
     if (Clock::now() > ready_by)
         throw Error(Errc::timeout, "it was not ready in time to take over " + name);
     const auto answer = home.alive(name) ? ask_to_hand_over(module, home) : Json::object();

@@ -51,6 +51,8 @@ public:
         transport::Timing timing;
         std::shared_ptr<transport::KeyRing> keys = {};  ///< for tcp; null: unencrypted, and every peer is a member
         std::size_t most_dialed = 0;                    ///< above this number idle links are closed; 0: unlimited
+        /// Will somebody listen there soon? Then a refused dial is repeated until its deadline. Needs most_dialing.
+        std::function<bool(const transport::Address&)> listens_soon = {};
         std::size_t most_dialing = 0;  ///< maximum at once, except slow ones; others wait; 0: unlimited
         Log log = [](LogLevel, const std::string&) {};  ///< any thread
     };
@@ -229,6 +231,7 @@ private:
     std::map<std::string, std::vector<Waiting>> dialing_;  ///< in progress, or still to be started
     std::map<std::string, Clock::time_point> under_way_;   ///< start of each dial, if their number is limited
     std::deque<transport::Address> to_dial_;
+    std::vector<transport::Address> refused_;  ///< to be dialed again
     EncoderThread encoder_thread_;
 };
 
