@@ -34,6 +34,21 @@ bool Subscription::timed() const
            || (shared() && std::ranges::any_of(consumers_, [](const auto& row) { return row.second.works(); }));
 }
 
+/// Is there none to whom it can be written, of those that a group may dispatch it to?
+bool Subscription::lanes_full(const Emission& event) const
+{
+    std::int64_t lanes = 0;
+    for (const auto& [id, consumer] : consumers_) {
+        const bool may_get = !consumer.suspect && !consumer.retired && consumer.credit.missing() > 0;
+        if (shared() && !may_get)
+            continue;
+        if (consumer.credit.lane_free(event.size()))
+            return false;
+        ++lanes;
+    }
+    return lanes > 0;
+}
+
 Reason Subscription::why() const
 {
     if (!present() && retiring())  // its returned events move along when it has acknowledged the rest
@@ -42,7 +57,7 @@ Reason Subscription::why() const
         const bool waits = awaited_ || !open_.empty();
         return !waits ? Reason::none : shared() ? Reason::group_awaited : Reason::place_kept;
     }
-    if (const auto event = next(); event && !shared() && !consumers_.begin()->second.credit.lane_free(event->size()))
+    if (const auto event = next(); event && lanes_full(*event))
         return Reason::lane_full;
     if (asks())
         return Reason::none;

@@ -228,6 +228,7 @@ private:
     void skip_newest_live();
     void end_live(Fate how);
     [[nodiscard]] EmissionPtr next() const;
+    [[nodiscard]] bool lanes_full(const Emission& event) const;
     void settle(Decisions& decisions);
     void abandon(std::int64_t number, Decisions& decisions);
     void count(Fate fate, std::int64_t events = 1);
