@@ -140,6 +140,7 @@ TEST_CASE("audit: losses before a time are left out")
         CHECK(age_us < 60'000'000);
     }
     std::this_thread::sleep_for(1500ms);
+    CHECK(audited(swarm).row("killed.image").at("last_lost_us") == now.row("killed.image").at("last_lost_us"));
     CHECK(exit_of("1s") == 0);
     CHECK(has(swarm.hivectl({"audit", "--since", "1s"}).err, "nothing was lost"));
     application.set("thrower", {{"throw_every", 1}});

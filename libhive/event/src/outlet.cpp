@@ -88,7 +88,7 @@ void Outlet::require_fit(const Link& link, const protocol::Registration& registr
 void Outlet::require_modest(const protocol::Registration& registration) const
 {
     if (!registration.options.group.empty())
-        throw Error(Errc::not_permitted, "a viewer may not share work");
+        throw Error(Errc::not_permitted, "a viewer may not share work", "use the members' key: hivectl key show");
     if (const auto& encoding = registration.options.encoding;
         !encoding.empty() && std::ranges::find(port_.encodings, encoding, &Encoding::word) == port_.encodings.end())
         throw Error(Errc::not_permitted, "a viewer may not request the encoding " + in_quotes(encoding),
@@ -431,8 +431,6 @@ std::vector<EdgeStatus> Outlet::edges() const
             row.status.shared = place->second.shared;
             row.status.fallback = place->second.fallback;
         }
-        if (row.last_loss != Clock::time_point())
-            row.status.last_lost_us = wall_us() - microseconds(Clock::now() - row.last_loss);
         edges.push_back(std::move(row.status));
     }
     return edges;

@@ -118,10 +118,10 @@ std::vector<ReceiverTable::Row> ReceiverTable::rows() const
     };
     for (const Plain& plain : plain_) {
         Row& row = rows[{plain.receiver, "", row_of(plain)}];
-        row.last_loss = std::max(row.last_loss, plain.subscription.last_loss());
         EdgeStatus& status = row.status;
         add_registered(status, plain.receiver, plain.registered);
         add_to(status.events, plain.subscription.ledger());
+        status.last_lost_us = std::max(status.last_lost_us, plain.subscription.last_lost_us());
         status.connected = status.connected || plain.registered.now > 0;
         status.waiting += plain.subscription.waiting();
         status.why = plain.subscription.why() != Reason::none ? plain.subscription.why() : status.why;
@@ -134,13 +134,13 @@ std::vector<ReceiverTable::Row> ReceiverTable::rows() const
             status.connected = member.registered.now > 0;
         }
         Row& row = rows[{"group " + name, name, 0}];
-        row.last_loss = group.subscription.last_loss();
         EdgeStatus& status = row.status;
         status = {.receiver = "group " + name,
                   .group = true,
                   .connected = group.subscription.active(),
                   .events = group.subscription.ledger(),
                   .waiting = group.subscription.waiting(),
+                  .last_lost_us = group.subscription.last_lost_us(),
                   .why = group.subscription.why()};
         status.options.group = name;
     }

@@ -65,7 +65,6 @@ EmissionPtr Subscription::take_fresh()
 
 void Subscription::offer(const EmissionPtr& event, Clock::time_point now, Decisions& decisions)
 {
-    now_ = now;
     const Identity& identity = event->event().identity;
     if (missed_.count > 0 && identity.epoch > missed_.epoch && identity.source == missed_.source)
         missed_.count = 0;
@@ -92,7 +91,7 @@ void Subscription::count(Fate fate, std::int64_t events)
 {
     ledger_.went(fate, events);
     if (events > 0 && is_loss(fate))
-        last_loss_ = now_;
+        last_lost_us_ = wall_us();
 }
 
 void Subscription::miss(const Identity& identity, Clock::time_point now)
@@ -288,7 +287,6 @@ Share Subscription::standing() const
 void Subscription::request(ReceiverId id, const Progress& progress, const std::vector<std::int64_t>& returned,
                            Clock::time_point now, Decisions& decisions)
 {
-    now_ = now;
     const auto found = consumers_.find(id);
     if (found == consumers_.end())
         return;
@@ -313,7 +311,6 @@ void Subscription::request(ReceiverId id, const Progress& progress, const std::v
 
 void Subscription::written(ReceiverId id, std::size_t bytes, Clock::time_point now, Decisions& decisions)
 {
-    now_ = now;
     if (const auto found = consumers_.find(id); found != consumers_.end())
         found->second.credit.written(bytes);
     pump(now, decisions);
@@ -393,7 +390,6 @@ Clock::duration Subscription::lease() const
 
 void Subscription::tick(Clock::time_point now, Decisions& decisions)
 {
-    now_ = now;
     missed_more_ = false;
     if (awaited_ && awaited_until_ && *awaited_until_ <= now)
         shared() ? cancel(decisions) : stop_waiting();
@@ -415,7 +411,6 @@ void Subscription::tick(Clock::time_point now, Decisions& decisions)
 
 void Subscription::end(Clock::time_point now, Decisions& decisions)
 {
-    now_ = now;
     ended_ = true;
     pump(now, decisions);
 }

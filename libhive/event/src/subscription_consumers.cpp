@@ -9,7 +9,6 @@ namespace hive::event {
 std::int64_t Subscription::attach(ReceiverId id, const ConnectionOptions& options, const Kept& kept, Ledger* own,
                                   Clock::time_point now, Decisions& decisions)
 {
-    now_ = now;
     Consumer consumer{.options = options, .own = own, .credit = Credit(options, kept.held)};
     consumer.asked_at = ++order_;
     consumer.head_since = now;
@@ -65,7 +64,6 @@ void Subscription::take_back(Away& away, std::int64_t count)
 
 void Subscription::detach(ReceiverId id, Fate how, bool returns, Clock::time_point now, Decisions& decisions)
 {
-    now_ = now;
     auto consumer = consumers_.extract(id);
     if (consumer.empty())
         return;
@@ -202,7 +200,6 @@ Subscription::Job Subscription::leave_with(std::int64_t number)
 /// Nothing moves from a passive subscription: its events were only for display, and may have no body.
 void Subscription::adopt(Subscription&& other, Clock::time_point now, Decisions& decisions)
 {
-    now_ = other.now_ = now;
     if (other.passive())
         return other.end_live(Fate::lost_left);
     if (auto away = std::exchange(other.away_, std::nullopt))

@@ -35,7 +35,7 @@ public:
     void check() const
     {
         std::size_t away = 0;
-        for (const auto& [id, status, last_loss] : table_.rows()) {
+        for (const auto& [id, status] : table_.rows()) {
             hold(balanced(status.events), "every ledger balances");
             hold(status.waiting >= 0 && status.waiting <= status.events.in_flight() + (status.group ? 99 : 0),
                  "what waits is in flight");

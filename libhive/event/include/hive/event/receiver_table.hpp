@@ -59,7 +59,7 @@ struct Demand {
     bool backlogged = false;  ///< do lossless events wait for a request?
 };
 
-/// Pure logic: no sockets, no clock; the caller reports events, and the table decides what to send.
+/// Pure logic: no sockets, no clock for decisions; the caller reports events, and the table decides what to send.
 class ReceiverTable {
 public:
     using Id = ReceiverId;
@@ -71,7 +71,6 @@ public:
     struct Row {
         Id id;  ///< 0: a group, or a receiver without a current registration
         EdgeStatus status;
-        Clock::time_point last_loss{};  ///< see Subscription::last_loss()
     };
     /// Switches of tests that show a defence by its absence.
     struct Defences {

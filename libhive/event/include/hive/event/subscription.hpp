@@ -30,6 +30,7 @@
 // died as lost, and the job that it was processing has failed once: after three failures a job is not dispatched again.
 //
 // Pure logic: the caller holds the loop and passes in time and events; each call appends its decisions to `Decisions`.
+// Only the time of a loss is read from the wall clock, for people.
 #pragma once
 
 #include <hive/event/credit.hpp>
@@ -146,8 +147,8 @@ public:
     [[nodiscard]] Reason why() const;
     [[nodiscard]] Reason why(ReceiverId consumer) const;
     [[nodiscard]] const Ledger& ledger() const noexcept { return ledger_; }
-    /// Time of the newest loss (is_loss), to the call before it; the start of the clock: none.
-    [[nodiscard]] Clock::time_point last_loss() const noexcept { return last_loss_; }
+    /// Wall clock of the newest loss (is_loss); 0: none.
+    [[nodiscard]] std::int64_t last_lost_us() const noexcept { return last_lost_us_; }
     /// True while the consumer is absent and may return, but the source does not wait: its lossless events are lost.
     [[nodiscard]] bool missing() const noexcept { return missing_as_.has_value(); }
     [[nodiscard]] const Missed& missed() const noexcept { return missed_; }
@@ -246,8 +247,7 @@ private:
     std::int64_t jobs_ = 0;
     std::uint64_t order_ = 0;
     WorkTimes times_;
-    Clock::time_point now_{};  ///< of the last call that had a time
-    Clock::time_point last_loss_{};
+    std::int64_t last_lost_us_ = 0;
     std::optional<bool> lossless_;  ///< was the last event lossless? The next one probably is too
     bool awaited_ = false, ended_ = false;
     std::optional<Clock::time_point> awaited_until_;
