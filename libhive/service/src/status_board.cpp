@@ -3,9 +3,6 @@
 
 #include <hive/printable.hpp>
 
-#include <algorithm>
-#include <cmath>
-
 namespace hive::service {
 
 StatusBoard::Values StatusBoard::values() const
@@ -56,6 +53,8 @@ void StatusBoard::ended()
 void StatusBoard::begin_work(const std::string& callback)
 {
     const std::lock_guard lock(mutex_);
+    if (!latest_ || latest_->first != callback)
+        latest_ = &*durations_.try_emplace(callback).first;
     values_.state = State::busy;
     values_.callback = callback;
     values_.busy_since = event::Clock::now();
@@ -66,7 +65,7 @@ void StatusBoard::end_work()
     const std::lock_guard lock(mutex_);
     const auto took = event::microseconds(event::Clock::now() - values_.busy_since);
     values_.busy_us += took;
-    durations_[values_.callback].add(took);
+    latest_->second.add(took);
     values_.state = halted_ ? State::halted : State::idle;
     values_.callback.clear();
 }
@@ -76,28 +75,6 @@ std::int64_t StatusBoard::work_p99_us(const std::string& callback) const
     const std::lock_guard lock(mutex_);
     const auto found = durations_.find(callback);
     return found == durations_.end() ? 0 : found->second.p99_us();
-}
-
-void StatusBoard::Durations::add(std::int64_t us)
-{
-    constexpr std::uint32_t remembered = 2000;
-    const auto log = std::log2(static_cast<double>(std::max<std::int64_t>(us, 1)));
-    ++counts_[static_cast<std::size_t>(std::clamp(static_cast<int>(log * classes_per_doubling), 0, classes - 1))];
-    if (++total_ < remembered)
-        return;
-    total_ = 0;
-    for (auto& count : counts_)
-        total_ += count /= 2;
-}
-
-/// Returns the upper limit of the class that contains the 99th percentile.
-std::int64_t StatusBoard::Durations::p99_us() const
-{
-    std::uint32_t above = 0;
-    for (int i = classes; i-- > 0;)
-        if (above += counts_[static_cast<std::size_t>(i)]; above > total_ / 100)
-            return std::llround(std::exp2(static_cast<double>(i + 1) / classes_per_doubling));
-    return 0;
 }
 
 void StatusBoard::prepared(bool yes)

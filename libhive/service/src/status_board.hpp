@@ -2,11 +2,11 @@
 #pragma once
 
 #include "declaration.hpp"
+#include "durations.hpp"
 
 #include <hive/event/clock.hpp>
 #include <hive/status.hpp>
 
-#include <array>
 #include <atomic>
 #include <map>
 #include <mutex>
@@ -69,21 +69,12 @@ public:
 
 private:
     std::atomic<bool> halted_ = false, stopping_ = false, handing_over_ = false;
-    /// The last calls of a callback by duration, older ones with less weight. Four classes to a doubling.
-    class Durations {
-    public:
-        void add(std::int64_t us);
-        [[nodiscard]] std::int64_t p99_us() const;
-
-    private:
-        static constexpr int classes_per_doubling = 4, classes = 35 * classes_per_doubling;  // up to 9 h
-        std::array<std::uint32_t, classes> counts_{};
-        std::uint32_t total_ = 0;
-    };
+    using DurationsOf = std::map<std::string, Durations>;  ///< by callback
 
     mutable std::mutex mutex_;
     Values values_;
-    std::map<std::string, Durations> durations_;  ///< by callback
+    DurationsOf durations_;
+    DurationsOf::value_type* latest_ = nullptr;  ///< of the last callback: mostly that of the next one, too
 };
 
 }  // namespace hive::service

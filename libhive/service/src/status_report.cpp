@@ -107,6 +107,15 @@ Reason StatusReport::why(const StatusBoard::Values& board) const
     return board.why;
 }
 
+/// A set is timed as its first input.
+const std::string& StatusReport::callback_of(const std::string& input) const
+{
+    for (const auto& matching : declaration_.matchings)
+        if (matching.input(input))
+            return matching.inputs.front().name;
+    return input;
+}
+
 std::vector<InputStatus> StatusReport::inputs() const
 {
     std::vector<InputStatus> rows;
@@ -114,7 +123,7 @@ std::vector<InputStatus> StatusReport::inputs() const
         rows.push_back(intake->status());
         rows.back().queued = mailbox_.count(event::came_over(*intake));
         rows.back().in_hand -= rows.back().queued;
-        rows.back().work_p99_us = board_.work_p99_us(rows.back().input);
+        rows.back().work_p99_us = board_.work_p99_us(callback_of(rows.back().input));
     }
     return rows;
 }

@@ -30,6 +30,7 @@ public:
 private:
     [[nodiscard]] Status without_rows() const;
     [[nodiscard]] DroneOrder order(const StatusBoard::Values& board) const;
+    [[nodiscard]] const std::string& callback_of(const std::string& input) const;
     [[nodiscard]] std::vector<InputStatus> inputs() const;
     [[nodiscard]] std::vector<MatchingStatus> matching(const StatusBoard::Values& board) const;
     [[nodiscard]] Reason why(const StatusBoard::Values& board) const;
