@@ -181,6 +181,7 @@ InputStatus input_from_json(const Json& object)
     InputStatus input;
     input.input = fields.name("input");
     input.from = fields.text_or("from", "");
+    input.address = fields.text_or("address", "");
     input.kind = fields.text_or("kind", "");
     input.connected = fields.flag_or("connected", false);
     if (fields.has("options"))
@@ -294,6 +295,7 @@ Json to_json(const InputStatus& input)
 {
     Json json{{"input", input.input}, {"options", to_json(input.options)}};
     write_text(json, "from", input.from);
+    write_text(json, "address", input.address);
     write_text(json, "kind", input.kind);
     if (input.connected)
         json["connected"] = true;

@@ -14,6 +14,8 @@ namespace {
 
 constexpr std::size_t most_shown = 400;  // of an error in the status, which has a row per input
 
+std::string text_of(const Error& error) { return error.what() + (error.advice().empty() ? "" : "; " + error.advice()); }
+
 }  // namespace
 
 void Intake::note_end(std::optional<std::string> text)
@@ -181,6 +183,7 @@ InputStatus Intake::status() const
     const auto ended = [&](Ending ending) { return ended_[static_cast<std::size_t>(ending)]; };
     InputStatus status{.input = spec_.input,
                        .from = spec_.sender + "." + spec_.output,
+                       .address = spec_.address.scheme == transport::Address::Scheme::tcp ? to_text(spec_.address) : "",
                        .kind = kind_,
                        .connected = connected_,
                        .registration = epoch_,
@@ -197,7 +200,7 @@ InputStatus Intake::status() const
                        .round_trip_us = link_ ? link_->peer_clock().round_trip_us() : 0,
                        .clock_offset_us = link_ ? link_->peer_clock().offset_us() : 0,
                        .disconnected_us = connected_ ? 0 : disconnected_us_,
-                       .error = problem_ ? shortened(problem_->what(), most_shown) : ""};
+                       .error = problem_ ? shortened(text_of(*problem_), most_shown) : ""};
     status.in_hand = received_;
     for (const auto count : ended_)
         status.in_hand -= count;

@@ -105,6 +105,7 @@ struct OutputStatus {
 struct InputStatus {
     std::string input;
     std::string from{};             ///< "camera.image"
+    std::string address{};          ///< of the sender, if it is on another machine: "tcp://cam1:7700"
     std::string kind{};             ///< of the sender, when it was last connected; empty: never
     bool connected = false;         ///< registered with the sender now
     std::int64_t registration = 0;  ///< epoch of the current or last registration

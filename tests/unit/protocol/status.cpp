@@ -23,6 +23,7 @@ InputStatus full_input()
 {
     return {.input = "image",
             .from = "camera.image",
+            .address = "tcp://cam1:7700",
             .connected = true,
             .registration = 12,
             .options = {.window = 3, .group = "workers"},
@@ -118,6 +119,7 @@ TEST_CASE("status: an input comes back with each count")
     status.inputs.push_back(full_input());
     const auto input = through_text(status).inputs.at(0);
     CHECK(input.from == "camera.image");
+    CHECK(input.address == "tcp://cam1:7700");
     CHECK(input.connected);
     CHECK(input.registration == 12);
     CHECK(input.options.group == "workers");
