@@ -30,6 +30,10 @@ Run declare(CommandLine& line, Session& session)
         .type_name("KIND");
     line.flag("--lose-state", options->order.lose_state,
               "replace even a stateful drone; the new one starts without its state");
+    line.flag(
+        "--force", options->order.force,
+        "kill a drone that does not answer within 3 s, such as one that hangs or is of another version of Hive, and "
+        "start a new one with its parameters and connections");
     declare_fields(line, options->order);
     return [options, &session] { return run(*options, session); };
 }

@@ -334,6 +334,32 @@ TEST_CASE("replace: a drone that keeps state needs a word more")
     swarm.hivectl_done({"replace", "counter", "--lose-state"}, long_patience);
 }
 
+TEST_CASE("replace: a drone that does not answer is killed only with --force, and its successor is as it was")
+{
+    const Swarm swarm;
+    const auto source = swarm.drone("ticker", "source", {"fps=50"});
+    swarm.hivectl_done({"start", "sleeper", "--as", "worker"});
+    swarm.hivectl_done({"connect", "source", "worker"});
+    swarm.hivectl_done({"set", "worker", "work_ms=3"});
+    auto application = swarm.application();
+    const auto works = [&] { return application.status("worker").inputs.at(0).processed > 0; };
+    REQUIRE(eventually(works));
+    const auto hanging = application.status("worker").pid;
+    ::kill(static_cast<pid_t>(hanging), SIGSTOP);
+    const auto refused = swarm.hivectl({"replace", "worker"}, long_patience);
+    CHECK(refused.exit_code == 124);
+    CHECK_MESSAGE(has(refused.err, "hivectl replace worker --force"), refused.err);
+    const auto forced =
+        hive::Json::parse(swarm.hivectl_done({"replace", "worker", "--force", "--json"}, long_patience));
+    CHECK(forced.at("before") == hanging);
+    CHECK(forced.at("pid") != hanging);
+    CHECK(application.get("worker", {"work_ms"}).at("work_ms") == 3);
+    CHECK(eventually(works));
+    const auto again = hive::Json::parse(swarm.hivectl_done({"replace", "worker", "--force", "--json"}, long_patience));
+    CHECK(again.at("before") == forced.at("pid"));  // it answers, so it hands over
+    CHECK(eventually(works));
+}
+
 TEST_CASE("replace: another kind takes over, with the connections, and is what comes back after a crash")
 {
     const Swarm swarm;

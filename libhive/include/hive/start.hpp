@@ -44,6 +44,9 @@ Started start(Application& application, StartOptions options);
 /// (it is already being replaced), Errc::timeout. After that, the takeover completes even if the caller is killed or
 /// cancels. If the new one crashes before it has the name, another one is started in its place.
 ///
+/// With `force`, a drone that does not answer within 3 s, or is of another version of Hive, is killed, and a new one is
+/// started with its parameters and connections.
+///
 /// @param options  `drone` has the name and the changes from the old one; `ssh` and `if_missing` are not used; `limit`:
 ///                 for the new one to be ready
 Started replace(Application& application, StartOptions options);

@@ -33,6 +33,7 @@ struct DroneOrder {
     /// More than 0: it replaces the running drone of its name, if it is ready within this time. See hive::replace().
     double take_over_s = 0;
     bool lose_state = false;  ///< the replaced drone may lose its memory of earlier events
+    bool force = false;       ///< the replaced drone is killed if it does not answer
 
     bool operator==(const DroneOrder&) const = default;
 };

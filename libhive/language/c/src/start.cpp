@@ -70,11 +70,12 @@ hive_code hive_application_start(hive_application* application, const char* kind
 hive_code hive_application_replace(hive_application* application, const char* drone, const char* options, char** place)
 {
     return with_application(application, [&](Application& open) {
-        const auto given = given_options(options, {"kind", "lose_state"});
+        const auto given = given_options(options, {"kind", "lose_state", "force"});
         auto wanted = start_options(given);
         wanted.drone.name = text_of(drone, "the drone");
         wanted.drone.kind = given.text("kind");
         wanted.drone.lose_state = given.flag("lose_state");
+        wanted.drone.force = given.flag("force");
         give_place(replace(open, wanted), place);
     });
 }

@@ -183,6 +183,7 @@ class Application(Finding):
         kind: Union[str, os.PathLike[str]] = "",
         parameters: Optional[Mapping[str, Any]] = None,
         lose_state: bool = False,
+        force: bool = False,
         ready: Seconds = 10.0,
         **options: Any,
     ) -> None:
@@ -192,6 +193,7 @@ class Application(Finding):
         :param kind: kind of the new drone, or a Python file; "": that of the old one
         :param parameters: parameters of the new drone, in addition to those of the old one
         :param lose_state: replace even a stateful drone, without its state
+        :param force: kill a drone that does not answer, and start a new one with its parameters and connections
         :param ready: how long it may take to become ready; until then the old one is unaffected
         :param options: those of :meth:`start` from ``halted`` to ``log_level``, for the new one
         :raises hive.Error: "not_found", "type_mismatch", "refused", "name_taken" if it is already being replaced,
@@ -202,6 +204,7 @@ class Application(Finding):
             "kind": os.fspath(kind),
             "parameters": dict(parameters or {}),
             "lose_state": lose_state,
+            "force": force,
             "ready_ms": milliseconds(ready),
         }
         if "key" in options:

@@ -96,6 +96,8 @@ std::vector<std::string> words_to_replace(SwarmDrone drone)
         words.insert(words.end(), {"--kind", drone.kind});
     if (drone.lose_state)
         words.emplace_back("--lose-state");
+    if (drone.force)
+        words.emplace_back("--force");
     drone.take_over_s = 0;
     return words_of(std::move(words), drone);
 }
