@@ -1,4 +1,5 @@
-// Watches the swarm's keys while a module runs: logs rejected peers, and closes links whose key became invalid.
+// Watches the swarm's keys while a module runs: logs rejected peers, and closes links whose key became invalid, or
+// which could have a better one.
 #include <hive/event/module.hpp>
 
 #include <vector>
@@ -40,6 +41,8 @@ void Module::recheck_keys()
         needed = true;
         if (!options_.keys->accepts(key, role))
             link->close(Error(Errc::not_permitted, "the swarm key " + key + " has expired"));
+        else if (role == Role::viewer && link->dialed() && !options_.keys->offers(key, role))
+            link->close(Error(Errc::connection_lost, "a members' key has replaced the viewers' key " + key));
     }
     if (options_.keys && options_.keys->trouble() != keys_error_) {
         keys_error_ = options_.keys->trouble();

@@ -45,6 +45,15 @@ bool KeyRing::accepts(const std::string& id, Role role)
     }
 }
 
+bool KeyRing::offers(const std::string& id, Role role)
+{
+    try {
+        return std::ranges::any_of(own(), [&](const SwarmKey& key) { return key.id == id && key.role == role; });
+    } catch (const Error&) {
+        return false;
+    }
+}
+
 void KeyRing::refresh()
 {
     struct stat now {};

@@ -216,6 +216,8 @@ TEST_CASE("key ring: it follows its file, keeps what it has while the file is un
     CHECK(ring.own().at(0).id == first.id);
     CHECK(ring.accepted().size() == 2);
     CHECK(ring.accepts(first.id, Role::viewer));
+    CHECK(ring.offers(first.id, Role::member));
+    CHECK_FALSE(ring.offers(first.id, Role::viewer));
     REQUIRE(::chmod(folder.file().c_str(), 0644) == 0);
     CHECK(ring.accepts(first.id, Role::member));
     CHECK_FALSE(ring.trouble().empty());
@@ -231,6 +233,7 @@ TEST_CASE("key ring: it follows its file, keeps what it has while the file is un
     hive::write_key_file(folder.file(), {ended}, KeyFileMode::replace);
     CHECK_THROWS_AS(ring.own(), hive::Error);
     CHECK_FALSE(ring.accepts(second.id, Role::member));
+    CHECK_FALSE(ring.offers(second.id, Role::member));
 }
 
 TEST_CASE(

@@ -70,6 +70,7 @@ public:
     void start(Events events);
 
     [[nodiscard]] bool open() const noexcept { return open_; }
+    [[nodiscard]] bool dialed() const noexcept { return end_ == End::dialed; }
     [[nodiscard]] const protocol::Hello& peer() const noexcept { return peer_; }
     [[nodiscard]] transport::Connection& connection() noexcept { return *connection_; }
     /// Is the peer on this machine?

@@ -27,6 +27,8 @@ public:
     const std::vector<SwarmKey>& accepted();
     /// Is that key in accepted() now?
     bool accepts(const std::string& id, Role role);
+    /// Is it in own() now?
+    bool offers(const std::string& id, Role role);
     [[nodiscard]] const std::filesystem::path& file() const noexcept { return file_; }
     [[nodiscard]] bool required() const noexcept { return required_; }
     /// Why the file could not be reloaded; empty: no error.
