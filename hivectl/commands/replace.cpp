@@ -30,10 +30,8 @@ Run declare(CommandLine& line, Session& session)
         .type_name("KIND");
     line.flag("--lose-state", options->order.lose_state,
               "replace even a stateful drone; the new one starts without its state");
-    line.flag(
-        "--force", options->order.force,
-        "kill a drone that does not answer within 3 s, such as one that hangs or is of another version of Hive, and "
-        "start a new one with its parameters and connections");
+    line.flag("--force", options->order.force,
+              "kill a drone that does not answer, and start a new one with its parameters and connections");
     declare_fields(line, options->order);
     return [options, &session] { return run(*options, session); };
 }
@@ -57,11 +55,15 @@ Verb verb()
             "is unaffected, and Ctrl-C stops the new one; if it does not become ready, hivectl prints the end of its "
             "log. After that the replacement completes even if hivectl is killed. The new process has the options of "
             "the old one, except those given here. A drone that was started with --on is replaced on its machine.\n\n"
+            "A drone that does not answer, or is of another version of Hive, cannot hand over. With --force, it is "
+            "killed after 3 s without an answer, and a new process restores its parameters and connections, as after a "
+            "crash.\n\n"
             "State in memory cannot be transferred, so a stateful drone needs --lose-state. A source restarts: a file "
             "on demand starts from the beginning. Exclusive resources, such as a V4L2 device, are free once the old "
             "process has exited: your own drones must retry until then, as the camera does.",
         .examples = "hivectl replace face-1\n"
-                    "hivectl replace face-1 --kind detect model=yolov8n.onnx",
+                    "hivectl replace face-1 --kind detect model=yolov8n.onnx\n"
+                    "hivectl replace face-1 --force",
         .timeout = "stop the new process if it is not ready by then (default 10)",
         .operands = {Operand::drone, Operand::setting},
         .declare = declare};
