@@ -164,6 +164,7 @@ TEST_CASE("explain: on demand, a source that is only watched")
 {
     const Swarm swarm;
     const auto source = swarm.drone("ticker", "source", {"pace=demand"});
+    CHECK(awaited(swarm, "explain source", "no_receiver source").command() == "hivectl results source");
     const auto watcher = swarm.hivectl_running({"results", "source", "--notify"}, "watcher");
     const auto watched = awaited(swarm, "explain source", "watched source");
     CHECK(watched.command() == "hivectl results source");
@@ -242,8 +243,11 @@ TEST_CASE("explain: a machine whose processors are all busy, with who uses them"
     const Swarm swarm;
     const auto source = swarm.drone("ticker", "source", {"fps=20"}), worker = swarm.drone("sleeper", "worker");
     swarm.hivectl_done({"connect", "source", "worker"});
+    Found first;
     const auto full = [&](const std::string& words = "explain worker") {
         const auto now = found(swarm, words);
+        if (first.json.is_null() && !now.json.at("causes").empty())
+            first = now;
         for (const auto& cause : now.json.at("causes"))
             if (cause.at("what") == "load")
                 return cause;
@@ -258,6 +262,7 @@ TEST_CASE("explain: a machine whose processors are all busy, with who uses them"
     CHECK_MESSAGE(has(load.dump(), "other programs "), load.dump());
     CHECK(load.at("blocks") == false);
     CHECK(load.at("command") == "hivectl top");  // no drone is to blame
+    count("load " + load.at("drone").get<std::string>(), first);
     others.clear();
 
     swarm.hivectl_done({"set", "source", "fps=50"});
@@ -271,4 +276,65 @@ TEST_CASE("explain: a machine whose processors are all busy, with who uses them"
     CHECK_MESSAGE(has(load.at("command").get<std::string>(), "hivectl halt hog"), load.dump());
     CHECK(Shell(swarm).run(load.at("command")).exit_code == 0);
     CHECK(eventually([&] { return full("explain").is_null(); }));
+}
+
+TEST_CASE("explain: a camera that goes away while it is read, and comes back")
+{
+    const Swarm swarm;
+    const auto port = std::to_string(free_port()), token = std::string(32, 't');
+    const auto url = "http://127.0.0.1:" + port + "/stream.mjpg?token=" + token;
+    const auto scene = swarm.drone("camera", "scene", {"fps=20", "width=160", "height=120"});
+    std::optional<Process> server;
+    const auto serve = [&] {
+        server = swarm.drone("view", "view", {"http=" + port, "token=" + token}, {}, {"DISPLAY="});
+    };
+    serve();
+    swarm.hivectl_done({"connect", "scene", "view"});
+    const auto camera = swarm.drone("camera", "camera", {"source=" + url}), worker = swarm.drone("sleeper", "worker");
+    swarm.hivectl_done({"connect", "camera", "worker"});
+    REQUIRE(runs(swarm, "explain worker"));
+    server->kill();
+    const auto gone = awaited(swarm, "explain worker", "condition camera");
+    CHECK(gone.exit_code == 9);
+    CHECK_MESSAGE(has(gone.evidence(), "source=http://127.0.0.1:" + port + "/stream.mjpg"), gone.text());
+    CHECK(gone.command() == "hivectl set camera source=SOURCE");
+    CHECK(swarm.hivectl({"set", "camera", "source=scene"}).exit_code == 0);  // another camera
+    CHECK(runs(swarm, "explain worker"));
+    swarm.hivectl_done({"set", "camera", "source=" + url});
+    awaited(swarm, "explain worker", "condition camera");
+    serve();  // it is plugged in again
+    CHECK(runs(swarm, "explain worker"));
+}
+
+TEST_CASE("explain: work that is shared with the key of a viewer, who may only watch")
+{
+    const Swarm near, far;
+    far.hivectl_done({"key", "new"});
+    far.hivectl_done({"key", "view"});
+    const auto members = far.key_file(), viewers = members.parent_path() / "viewer.key", here = near.key_file();
+    const auto use = [&](const std::filesystem::path& key) {
+        std::filesystem::create_directories(here.parent_path());
+        std::filesystem::copy_file(key, here, std::filesystem::copy_options::overwrite_existing);
+        std::filesystem::permissions(here, std::filesystem::perms(0600));
+    };
+    use(members);
+    const auto at = "tcp://127.0.0.1:" + std::to_string(free_port());
+    const auto source = far.drone("ticker", "source", {"fps=20"}, {"--listen", at});
+    near.hivectl_done({"place", "add", "source", at});
+    auto worker = near.drone("sleeper", "worker");
+    near.hivectl_done({"connect", "source", "worker", "--group", "workers"});
+    CHECK(runs(near, "explain worker"));
+    use(viewers);
+    worker.kill();
+    worker.wait(5000ms);
+    worker = near.drone("sleeper", "worker");
+    const auto refused = awaited(near, "explain worker", "refused worker");
+    CHECK_MESSAGE(has(refused.text(), "a viewer may not share work"), refused.text());
+    CHECK(refused.command() == "hivectl key show");
+    const auto set = near.hivectl({"set", "source", "fps=10"});
+    CHECK_MESSAGE(has(set.err, "a viewer may not send set; use the members' key: hivectl key show"), set.err);
+    CHECK(found(near, "explain source worker").command() == "hivectl key show");
+    use(members);  // which that command prints on the machine of a member
+    CHECK(runs(near, "explain worker"));
+    CHECK(near.hivectl({"set", "source", "fps=10"}).exit_code == 0);
 }

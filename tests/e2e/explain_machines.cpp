@@ -3,6 +3,7 @@
 #include "explained.hpp"
 
 #include <possible.hpp>
+#include <wall_clock.hpp>
 
 using namespace hive::test;
 using namespace std::chrono_literals;
@@ -48,6 +49,31 @@ TEST_CASE("explain: over a long way, a window that is too small")
     CHECK(runs(shell, "explain worker"));
 }
 
+TEST_CASE("explain: a machine whose clock is an hour ahead")
+{
+    if (!possible(missing_for_lab()) || !possible(WallClock::missing()))
+        return;
+    const Two two;
+    const auto shell = two.shell();
+    const WallClock clock(two.from().swarm.home());
+    std::string start = "env";
+    for (const auto& variable : clock.environment())
+        start += " " + variable;
+    const auto at = "tcp://" + two.from().address + ":7790";
+    two.from().net.run(start + " " + two.from().swarm.program("hivectl").string()
+                       + " start ticker --as source fps=20 --listen " + at);
+    two.to().hivectl_done("place add source " + at);
+    two.to().hivectl_done("connect source worker");
+    CHECK(runs(shell, "explain worker"));
+    clock.set("+3600");
+    const auto wrong = awaited(shell, "explain worker", "clock worker", 30'000ms);
+    CHECK(wrong.exit_code == 0);
+    CHECK_MESSAGE(has(wrong.text(), " ahead of that of this machine"), wrong.text());
+    CHECK(wrong.command() == "timedatectl set-ntp true");
+    clock.set("+0");  // as that command does
+    CHECK(eventually([&] { return found(shell, "explain worker").runs(); }, 30'000ms));
+}
+
 TEST_CASE("explain: a slow network")
 {
     if (!possible(missing_for_lab()))
@@ -64,6 +90,52 @@ TEST_CASE("explain: a slow network")
     CHECK(runs(shell, "explain worker"));
 }
 
+TEST_CASE("explain: a network that is too slow for a source on demand, with a window of several images and of one")
+{
+    if (!possible(missing_for_lab()))
+        return;
+    const Two two;
+    const auto shell = two.shell();
+    const BadLink link(two.from(), two.to(), {.delay = 2ms, .megabits = 2, .buffer_bytes = 1024 * 1024});
+    two.from().hivectl_done("set camera pace=demand");
+    two.to().hivectl_done("set worker emits=false");
+    for (const std::string window : {"4", "1"}) {
+        two.to().hivectl_done("connect camera worker --encoding raw --window " + window);
+        const auto slow = awaited(shell, "explain worker", "slow_connection worker");
+        CHECK(slow.exit_code == 9);
+        CHECK_MESSAGE(has(slow.evidence(), "camera.image has sent nothing for "), slow.text());
+        CHECK(slow.command() == "hivectl connect camera.image worker.image --encoding jpeg:50");
+        cure(shell, slow);
+        CHECK(runs(shell, "explain worker"));
+    }
+}
+
+TEST_CASE("explain: a sender that was stopped on the machine where it was started over ssh")
+{
+    if (!possible(missing_for_lab()))
+        return;
+    const Lab lab({"cam1"});
+    lab.share_key();
+    const Shell shell([&](const std::string& line) { return lab.shell(line); });
+    lab.hivectl_done("start counter --on cam1");
+    lab.hivectl_done("start ticker --as origin --on cam1");
+    lab.hivectl_done("start sleeper --as worker");
+    lab.hivectl_done("connect origin worker");
+    CHECK(runs(shell, "explain worker"));
+    lab.hivectl_done("stop origin");
+    const auto at = "it ran at tcp://" + lab.machine(0).address + ":7701";
+    const std::string start = "hivectl start ticker --as origin --listen tcp://0.0.0.0:7701";
+    const auto stopped = awaited(shell, "explain worker", "not_running origin");
+    CHECK(stopped.command() == start + " --on cam1");
+    CHECK(stopped.evidence() == "worker.image receives from it; " + at);
+    lab.hivectl_done("stop counter");
+    const auto unknown = awaited(shell, "explain worker", "not_running origin");
+    CHECK(unknown.command() == "hivectl ps");  // no drone tells how to reach the machine
+    CHECK(unknown.evidence() == "worker.image receives from it; " + at + "; start it there: " + start);
+    cure(shell, stopped);
+    CHECK(runs(shell, "explain worker"));
+}
+
 TEST_CASE("explain: a stream whose receiver is too slow")
 {
     const Swarm swarm;
@@ -72,7 +144,7 @@ TEST_CASE("explain: a stream whose receiver is too slow")
     swarm.hivectl_done({"connect", "source", "worker", "--stream"});
     const auto slow = awaited(swarm, "explain worker", "slow worker");
     CHECK(slow.exit_code == 0);
-    CHECK_MESSAGE(has(slow.evidence(), " events dropped, 50"), slow.text());
+    CHECK_MESSAGE(has(slow.evidence(), " ms for each event"), slow.text());
     CHECK(slow.command() == "hivectl advise worker");
     swarm.hivectl_done({"set", "worker", "work_ms=0"});
     CHECK(runs(swarm, "explain worker"));

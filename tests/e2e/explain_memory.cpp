@@ -88,6 +88,7 @@ TEST_CASE("explain: the control group of a drone has little memory left, and the
     application.set("hog", {{"holds_mb", (machine.memory_available - left) / 1'000'000}});
     const auto now = found(swarm, "explain hog");
     INFO(now.text());
+    count("memory hog", now);
     REQUIRE(now.causes == "memory hog");
     CHECK(has(now.text(), "the control group of hog on this machine has 0.0 GB of its 0.3 GB of memory left"));
     const auto cause = now.json.at("causes").back();  // the load of the machine may be another

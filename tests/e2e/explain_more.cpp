@@ -33,6 +33,7 @@ if os.path.exists(home + "/worker.sock"):
 server = socket.socket(socket.AF_UNIX)
 server.bind(home + "/worker.sock")
 server.listen(50)
+print("listening", flush=True)
 peers = []
 while True:
     peers.append(server.accept()[0])
@@ -41,9 +42,10 @@ while True:
 )",
                        swarm.home().string()},
                       {}, swarm.home() / "old.log");
+    REQUIRE(eventually([&] { return has(swarm.log("old"), "listening"); }));  // before, it is not running
     const auto other = awaited(swarm, "explain worker --timeout 1", "refused worker");
     CHECK_MESSAGE(has(other.text(), "worker is of another version of Hive"), other.text());
-    CHECK(other.command() == "kill -9 " + std::to_string(old.pid()) + " && hivectl start sleeper --as worker");
+    CHECK(other.command() == "hivectl replace worker --force");
     cure(swarm, other);
     CHECK(runs(swarm, "explain source worker"));
 }

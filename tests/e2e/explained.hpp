@@ -6,6 +6,10 @@
 
 #include <doctest/doctest.h>
 
+#include <cstdlib>
+#include <fstream>
+#include <functional>
+
 namespace hive::test {
 
 /// One explanation.
@@ -22,7 +26,10 @@ struct Found {
 private:
     [[nodiscard]] std::string of_first(const char* key) const
     {
-        return causes.empty() ? "" : json.at("causes").at(0).at(key).get<std::string>();
+        for (const auto& cause : json.is_null() ? Json::array() : json.at("causes"))
+            if (cause.at("what") != "load")
+                return cause.at(key).get<std::string>();
+        return "";
     }
 };
 
@@ -30,20 +37,19 @@ private:
 class Shell {
 public:
     /// @param inside  the command that runs another one on the machine, if it is one of a lab
-    Shell(const Swarm& swarm, const std::vector<std::string>& inside = {}) : swarm_(swarm), words_(inside)
+    Shell(const Swarm& swarm, const std::vector<std::string>& inside = {})
+        : run_([&swarm, inside](const std::string& line) {
+              auto all = inside;
+              all.insert(all.end(), {"/bin/sh", "-c", line});
+              return swarm.run(all);
+          })
     {
-        words_.insert(words_.end(), {"/bin/sh", "-c"});
     }
-    [[nodiscard]] Finished run(const std::string& line) const
-    {
-        auto words = words_;
-        words.push_back(line);
-        return swarm_.run(words);
-    }
+    explicit Shell(std::function<Finished(const std::string& line)> run) : run_(std::move(run)) {}
+    [[nodiscard]] Finished run(const std::string& line) const { return run_(line); }
 
 private:
-    const Swarm& swarm_;
-    std::vector<std::string> words_;
+    std::function<Finished(const std::string& line)> run_;
 };
 
 /// @param words  "explain worker"
@@ -60,18 +66,39 @@ inline Found found(const Shell& shell, const std::string& words)
     return found;
 }
 
-/// The explanation, once it is this one.
+/// Tells explain_count.py which cause was injected, and which one hivectl explain named first.
+/// @param injected  "halted source"
+/// @param first     the first explanation after that which has a cause
+inline void count(const std::string& injected, const Found& first)
+{
+    const char* const file = std::getenv("HIVE_EXPLAINED");
+    if (!file)
+        return;
+    Json named;
+    for (const auto& cause : first.json.is_null() ? Json::array() : first.json.at("causes"))
+        if (named.is_null() && (cause.at("what") != "load" || injected.starts_with("load ")))
+            named = cause;
+    std::ofstream(file, std::ios::app) << Json{
+        {"case", doctest::getContextOptions()->currentTest->m_name},
+        {"injected", injected},
+        {"named", named}}.dump() << "\n";
+}
+
+/// The explanation, once it is this one. Call it when the cause is in effect: the first cause that is named counts.
 inline Found awaited(const Shell& shell, const std::string& words, const std::string& causes,
                      Milliseconds patience = Milliseconds(15'000))
 {
-    Found now;
+    Found now, first;
     CHECK_MESSAGE(eventually(
                       [&] {
                           now = found(shell, words);
+                          if (first.causes.empty())
+                              first = now;
                           return now.causes == causes;
                       },
                       patience),
                   now.text());
+    count(causes.substr(0, causes.find(',')), first);
     return now;
 }
 

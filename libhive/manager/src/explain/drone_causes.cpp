@@ -5,6 +5,7 @@
 #include <hive/duration_text.hpp>
 #include <hive/printable.hpp>
 #include <hive/program.hpp>
+#include <hive/transport/address.hpp>
 
 #include <algorithm>
 
@@ -60,6 +61,15 @@ std::string abandoned_text(const Status& status)
     return std::to_string(processed(status, &InputStatus::abandoned)) + " events abandoned";
 }
 
+/// "cam1" and "7700" of "tcp://cam1:7700", which a peer reports; empty: invalid.
+std::pair<std::string, std::string> host_and_port(const std::string& text)
+try {
+    const auto address = transport::parse_address(text);
+    return {address.host, std::to_string(address.port)};
+} catch (const Error&) {
+    return {};
+}
+
 /// A lasting trouble that fails each event, such as a full disk: the condition says how to fix it.
 bool throws_its_condition(const Status& status)
 {
@@ -67,14 +77,13 @@ bool throws_its_condition(const Status& status)
            && status.condition.starts_with(status.last_exception->text);
 }
 
-/// "hivectl ps" in an advice such as "see what runs: hivectl ps".
+}  // namespace
+
 std::string command_in(const std::string& advice)
 {
     const auto at = advice.find("hivectl ");
     return at == std::string::npos ? "" : advice.substr(at, advice.find_first_of(",;", at) - at);
 }
-
-}  // namespace
 
 std::string p99_text(const Status& status)
 {
@@ -148,24 +157,48 @@ void Search::silent(const StatusAnswer& answer, const std::string& evidence)
             command_in(error.advice()));
 }
 
-std::string Search::kind_of(const std::string& drone) const
+Search::Start Search::start_of(const std::string& drone) const
 {
-    if (const auto known = absent_.kinds.find(drone); known != absent_.kinds.end())
-        return known->second;
+    const auto known = absent_.kinds.find(drone);
+    if (known != absent_.kinds.end() && absent_.remembered.contains(drone))
+        return {.command = start_command(known->second, drone)};
+    if (auto elsewhere = start_elsewhere(drone))
+        return *std::move(elsewhere);
+    if (known != absent_.kinds.end())
+        return {.command = start_command(known->second, drone)};
     for (const auto& answer : look_.answers)  // after a stop on purpose, its receivers still know it
         for (const auto& input : answer.status.inputs)
             if (owner_of(input.from) == drone && !input.kind.empty() && program_of(input.kind))
-                return input.kind;
-    return "";
+                return {.command = start_command(input.kind, drone)};
+    return {};
+}
+
+std::optional<Search::Start> Search::start_elsewhere(const std::string& drone) const
+{
+    for (const auto& answer : look_.answers)
+        for (const auto& input : answer.status.inputs) {
+            const bool beside_receiver = input.address.empty();
+            if (owner_of(input.from) != drone || (beside_receiver && !is_elsewhere(answer.place)))
+                continue;
+            Start start{.at = beside_receiver ? answer.place.host : input.address};
+            if (input.kind.empty())
+                return start;
+            const auto [host, port] = host_and_port(input.address);
+            start.there = start_command(input.kind, drone)
+                          + (port.empty() ? "" : " --listen tcp://0.0.0.0:" + port);  // where the receivers look for it
+            const auto known = absent_.ssh.find(host);
+            const auto ssh = beside_receiver ? answer.place.ssh : known != absent_.ssh.end() ? known->second : "";
+            if (!ssh.empty())
+                start.command = start.there + " --on " + ssh;
+            return start;
+        }
+    return std::nullopt;
 }
 
 std::string Search::restart(const std::string& drone, const std::string& otherwise) const
 {
-    const auto process = absent_.processes.find(drone);
-    const auto kind = kind_of(drone);
-    return process == absent_.processes.end() || kind.empty()
-               ? otherwise
-               : "kill -9 " + std::to_string(process->second) + " && " + start_command(kind, drone);
+    return absent_.processes.contains(drone) && absent_.kinds.contains(drone) ? "hivectl replace " + drone + " --force"
+                                                                              : otherwise;
 }
 
 std::string Search::lost_text(const std::string& drone) const
@@ -177,24 +210,34 @@ std::string Search::lost_text(const std::string& drone) const
     return "";
 }
 
+/// "it ran at tcp://cam1:7700; start it there: hivectl start camera"
+std::string Search::where_text(const Start& start)
+{
+    if (start.at.empty())
+        return "";
+    const bool not_proposed = start.command.empty() && !start.there.empty();
+    return "it ran at " + start.at + (not_proposed ? "; start it there: " + start.there : "");
+}
+
 /// @param text  empty: "face is not running"
 void Search::not_running(const std::string& drone, const std::string& text, const std::string& evidence)
 {
     const auto crash = std::ranges::find(absent_.crashed, drone, &CrashedDrone::drone);
     const auto failed = std::ranges::find(absent_.failed, drone, &FailedDrone::drone);
-    const auto kind = kind_of(drone);
-    const auto command = kind.empty() ? "hivectl logs " + drone : start_command(kind, drone);
+    const auto start = start_of(drone);
     if (failed != absent_.failed.end())
         add(What::failed, drone, drone + " crashes again and again: " + failed->reason, evidence,
             "hivectl logs " + drone);
     else if (crash != absent_.crashed.end())
-        add(What::crashed, drone, drone + " has crashed: " + crash_text(*crash), evidence, command);
+        add(What::crashed, drone, drone + " has crashed: " + crash_text(*crash), evidence,
+            start.command.empty() ? "hivectl logs " + drone : start.command);
     else
-        add(What::not_running, drone, text.empty() ? drone + " is not running" : text, evidence,
-            kind.empty() ? "hivectl ps" : command);
+        add(What::not_running, drone, text.empty() ? drone + " is not running" : text,
+            evidence + (evidence.empty() || start.at.empty() ? "" : "; ") + where_text(start),
+            start.command.empty() ? "hivectl ps" : start.command);
 }
 
-bool Search::own(const StatusAnswer& answer)
+bool Search::own(const StatusAnswer& answer, bool awaited)
 {
     const auto& name = answer.drone;
     const auto& status = answer.status;
@@ -215,7 +258,7 @@ bool Search::own(const StatusAnswer& answer)
         add(What::condition, name, name + " reports: " + status.condition,
             throws_its_condition(status) ? abandoned_text(status) : "", "hivectl logs " + name)
             .blocks = !moves(answer);
-    else if (status.why == Reason::no_input)
+    else if (status.why == Reason::no_input && !awaited)
         add(What::not_connected, name, "nothing is connected to the inputs of " + name, "", "hivectl describe " + name);
     else
         return false;

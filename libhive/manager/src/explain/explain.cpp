@@ -47,18 +47,20 @@ Absent absent_in(Application& application, const Look& look)
         return absent;
     absent.crashed = application.crashed();
     absent.failed = application.failed();
+    absent.add_machines(application);
     for (const auto& drone : silent)
         absent.add(application, drone);
     return absent;
 }
 
-/// Queries the drones that answered once more; the others stay as they were, so as not to wait for them twice.
+/// Queries the drones once more, as one that was not running may have been started. Silent ones stay as they were, so
+/// as not to wait for them twice.
 Look look_again(Application& application, const Look& before)
 {
     Look look = before;
     std::vector<std::string> drones;
     for (const auto& answer : before.answers)
-        if (!answer.error)
+        if (!answer.error || answer.error->code() == Errc::not_found)
             drones.push_back(answer.drone);
     for (auto& answer : application.status(drones))
         *std::ranges::find(look.answers, answer.drone, &StatusAnswer::drone) = std::move(answer);

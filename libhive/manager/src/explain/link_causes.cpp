@@ -63,7 +63,7 @@ void Search::unconnected(const StatusAnswer& answer, const InputStatus& input)
     const auto end = answer.drone + "." + input.input, connection = input.from + " -> " + end;
     if (input.why == Reason::refused)
         add(What::refused, answer.drone, input.from + " refuses " + end + ": " + input.error, "",
-            "hivectl connect " + input.from + " " + end)
+            command_in(input.error).empty() ? "hivectl connect " + input.from + " " + end : command_in(input.error))
             .connection = connection;
     else if (input.why == Reason::dialing)
         add(What::dialing, answer.drone,

@@ -5,7 +5,9 @@
 #include <hive/name.hpp>
 #include <hive/platform/process.hpp>
 #include <hive/program.hpp>
+#include <hive/protocol/requests.hpp>
 #include <hive/stall.hpp>
+#include <hive/transport/address.hpp>
 
 #include <algorithm>
 
@@ -14,14 +16,26 @@ namespace {
 
 constexpr std::size_t max_asked = 2000;
 
-/// The kind in its state file, or by its name.
-std::optional<std::string> kind_of(const event::Home& home, const std::string& drone)
+/// The kind in its state file; empty: none that can be started.
+std::string kind_in_state(const event::Home& home, const std::string& drone)
 try {
     const auto state = home.read_state(drone);
     const auto kind = state ? Fields(*state, "state").text("kind") : "";
-    return !kind.empty() && program_of(kind) ? kind : kind_by_name(drone);
+    return !kind.empty() && program_of(kind) ? kind : "";
 } catch (const Error&) {
-    return kind_by_name(drone);  // a damaged file
+    return "";  // a damaged file
+}
+
+/// The senders in its state file.
+std::vector<std::string> senders_in_state(const event::Home& home, const std::string& drone)
+try {
+    std::vector<std::string> names;
+    if (const auto state = is_name(drone) ? home.read_state(drone) : std::nullopt)
+        for (const auto& connection : Fields(*state, "state").array("connections"))
+            names.push_back(protocol::connect_from_json(connection).drone);
+    return names;
+} catch (const Error&) {
+    return {};  // damaged, or of an older version
 }
 
 /// The names of further drones in an answer.
@@ -51,8 +65,24 @@ void Absent::add(Application& application, const std::string& drone)
         suspended[drone] = pid;
     else if (home.alive(drone) && !std::filesystem::exists(home.path(drone, ".sock")))
         starting[drone] = pid;
-    if (const auto kind = kind_of(home, drone))
-        kinds[drone] = *kind;
+    if (const auto kind = kind_in_state(home, drone); !kind.empty()) {
+        kinds[drone] = kind;
+        remembered.insert(drone);
+    } else if (const auto by_name = kind_by_name(drone)) {
+        kinds[drone] = *by_name;
+    }
+}
+
+void Absent::add_machines(Application& application)
+{
+    for (const auto& drone : application.drones())
+        try {
+            const auto place = application.place(drone);
+            if (!place.ssh.empty())
+                ssh[transport::parse_address(place.address).host] = place.ssh;
+        } catch (const Error&) {
+            continue;  // several of this name, or gone since
+        }
 }
 
 const StatusAnswer* Look::find(const std::string& drone) const
@@ -68,6 +98,7 @@ const StatusAnswer* Look::find(const std::string& drone) const
 Look look_from(Application& application, const std::vector<std::string>& drones)
 {
     Look look;
+    const event::Home home(application.home());
     std::set<std::string> asked;
     for (auto next = drones; !next.empty() && asked.size() < max_asked;) {
         std::vector<std::string> fresh;
@@ -76,7 +107,10 @@ Look look_from(Application& application, const std::vector<std::string>& drones)
                 fresh.push_back(name);
         next.clear();
         for (auto& answer : application.status(fresh)) {
-            for (auto& name : next_to(answer))
+            auto names = next_to(answer);
+            if (answer.error && !is_elsewhere(answer.place))
+                names = look.saved_senders[answer.drone] = senders_in_state(home, answer.drone);
+            for (auto& name : names)
                 if (!look.find(name))
                     next.push_back(std::move(name));
             look.answers.push_back(std::move(answer));

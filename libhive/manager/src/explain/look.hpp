@@ -16,15 +16,21 @@ struct Absent {
     std::vector<FailedDrone> failed;
     std::map<std::string, std::int64_t> suspended;  ///< process, by drone
     std::map<std::string, std::int64_t> starting;   ///< process that has the name, but is not reachable yet
-    std::map<std::string, std::string> kinds;       ///< by drone, for those that can be started
+    std::map<std::string, std::string> kinds;       ///< by drone, for those that can be started here
+    std::set<std::string> remembered;               ///< whose saved state is on this machine
+    std::map<std::string, std::string> ssh;         ///< how to reach other machines, by host of an address
     std::map<std::string, std::int64_t> processes;  ///< that hold the name, by drone
 
     /// Reads the facts about a drone of this machine.
     void add(Application& application, const std::string& drone);
+    /// Reads the machines that are reachable over ssh.
+    void add_machines(Application& application);
 };
 
 struct Look {
     std::vector<StatusAnswer> answers;
+    /// By drone of this machine that does not answer: its senders, from its saved state.
+    std::map<std::string, std::vector<std::string>> saved_senders;
 
     /// By the name that the application uses, or by the drone's own name if that is unique.
     [[nodiscard]] const StatusAnswer* find(const std::string& drone) const;

@@ -75,14 +75,17 @@ void Search::connection(const Endpoint& sender, const Endpoint& receiver)
         quiet(*from, sender.port);
 }
 
-bool Search::above(const std::string& drone, const Endpoint* only)
+bool Search::above(const std::string& drone, const Endpoint* only, const std::string& evidence)
 {
     const auto found = causes_.size();
     const auto* answer = look_.find(drone);
     if (!answer || !seen_.insert(answer->drone).second)
         return false;
     if (answer->error) {
-        silent(*answer, "");
+        if (const auto senders = look_.saved_senders.find(answer->drone); senders != look_.saved_senders.end())
+            for (const auto& sender : senders->second)
+                above(sender);
+        silent(*answer, evidence);
         return true;
     }
     for (const auto& input : answer->status.inputs)
@@ -103,8 +106,7 @@ void Search::link(const StatusAnswer& receiver, const InputStatus& input)
     // This machine need not know a drone that the receiver knows.
     const bool unknown = !sender || (code == Errc::not_found && (input.connected || is_elsewhere(receiver.place)));
     if (!unknown && code) {
-        if (seen_.insert(sender->drone).second)
-            silent(*sender, receiver.drone + "." + input.input + " receives from it");
+        above(sender->drone, nullptr, receiver.drone + "." + input.input + " receives from it");
         return;
     }
     if (!unknown) {
@@ -161,11 +163,17 @@ void Search::below(const StatusAnswer& sender, const OutputStatus& output, const
     } else if (answer->error) {
         silent(*answer, wait.text());
     } else {
-        if (!own(*answer))
+        if (!own(*answer, edge.connected))
             outputs(*answer, "");
         if (causes_.size() == found)
             receiver(*answer, wait);
     }
+}
+
+/// The receiver of a sender on another machine is known here only if it was on this one.
+bool Search::may_be_started(const std::string& drone, const StatusAnswer& sender) const
+{
+    return !start_of(drone).command.empty() && (!is_elsewhere(sender.place) || absent_.remembered.contains(drone));
 }
 
 void Search::missing_receiver(const StatusAnswer& sender, const Wait& wait)
@@ -174,7 +182,7 @@ void Search::missing_receiver(const StatusAnswer& sender, const Wait& wait)
     if (wait.edge.connected)  // an application, or a drone that only its sender knows
         add(Cause::What::waits, sender.drone, wait.edge.receiver + " does not request more events of " + wait.end,
             wait.text(), "hivectl disconnect " + wait.end + " " + wait.edge.receiver);
-    else if (!kind_of(drone).empty())
+    else if (may_be_started(drone, sender))
         not_running(drone, "", wait.text());
     else
         add(Cause::What::receiver_away, drone, wait.edge.receiver + " is away, and " + wait.end + " waits for it",
@@ -188,13 +196,23 @@ void Search::receiver(const StatusAnswer& answer, const Wait& wait)
     cause.connection = wait.end + " -> " + wait.edge.receiver;
 }
 
+/// An idle receiver on another machine has not got yet what was sent to it.
+bool Search::is_under_way(const StatusAnswer& receiver, const EdgeStatus& edge)
+{
+    const auto awaits = [&](const InputStatus& input) {
+        return input.registration == edge.registration && !input.address.empty() && input.queued + input.in_hand == 0;
+    };
+    return edge.events.in_flight() > edge.waiting && receiver.status.state == State::idle
+           && std::ranges::any_of(receiver.status.inputs, awaits);
+}
+
 Cause& Search::receiver_cause(const StatusAnswer& answer, const Wait& wait)
 {
     if (!wait.edge.connected)
         return add(Cause::What::receiver_away, answer.drone,
                    wait.edge.receiver + " is not connected to " + wait.end + " now", wait.text(),
                    "hivectl connect " + wait.end + " " + wait.edge.receiver);
-    if (wait.edge.why == Reason::lane_full)
+    if (wait.edge.why == Reason::lane_full || is_under_way(answer, wait.edge))
         return add(Cause::What::slow_connection, answer.drone,
                    "the connection takes events more slowly than " + wait.end + " makes them", wait.text());
     if (wait.edge.why == Reason::not_asked && answer.status.state == State::busy)

@@ -59,19 +59,29 @@ private:
     };
 
     /// Examines the drone's senders, then the drone. @return whether a cause was found
-    bool above(const std::string& drone, const Endpoint* only = nullptr);
+    /// @param evidence  if the drone does not answer
+    bool above(const std::string& drone, const Endpoint* only = nullptr, const std::string& evidence = {});
     /// Examines one input, from its sender on.
     void link(const StatusAnswer& receiver, const InputStatus& input);
     void silent(const StatusAnswer& answer, const std::string& evidence);
     void not_running(const std::string& drone, const std::string& text, const std::string& evidence);
-    /// Its kind, if it can be started; empty: not known.
-    [[nodiscard]] std::string kind_of(const std::string& drone) const;
+    /// How to start a drone that does not run, on the machine where it ran.
+    struct Start {
+        std::string command{};  ///< empty: its kind is not known, or how to reach its machine
+        std::string at{};       ///< its last address, if that was on another machine: "tcp://cam1:7700"
+        std::string there{};    ///< the command on that machine; empty: its kind is not known
+    };
+    [[nodiscard]] Start start_of(const std::string& drone) const;
+    [[nodiscard]] static std::string where_text(const Start& start);
+    /// The same for one that was on another machine, from the status of a receiver; nothing: it was on this machine.
+    [[nodiscard]] std::optional<Start> start_elsewhere(const std::string& drone) const;
     /// For a process that answers no request. @param otherwise  the command if its process or kind is not known
     [[nodiscard]] std::string restart(const std::string& drone, const std::string& otherwise) const;
     /// How long ago receivers lost it: "worker.image lost it 12 s ago"; empty: not known.
     [[nodiscard]] std::string lost_text(const std::string& drone) const;
     /// Examines the drone's own status. @return whether it has a cause
-    bool own(const StatusAnswer& answer);
+    /// @param awaited  a sender waits for it, so it is still connected
+    bool own(const StatusAnswer& answer, bool awaited = false);
     bool throws(const StatusAnswer& answer);
     bool stuck(const StatusAnswer& answer);
     void unconnected(const StatusAnswer& answer, const InputStatus& input);
@@ -89,8 +99,10 @@ private:
     void quiet(const StatusAnswer& answer, const std::string& port);
     void waits(const StatusAnswer& answer, const OutputStatus& output);
     void below(const StatusAnswer& sender, const OutputStatus& output, const EdgeStatus& edge);
+    [[nodiscard]] bool may_be_started(const std::string& drone, const StatusAnswer& sender) const;
     void missing_receiver(const StatusAnswer& sender, const Wait& wait);
     void receiver(const StatusAnswer& answer, const Wait& wait);
+    [[nodiscard]] static bool is_under_way(const StatusAnswer& receiver, const EdgeStatus& edge);
     Cause& receiver_cause(const StatusAnswer& answer, const Wait& wait);
     Cause& slow(const StatusAnswer& answer, const std::string& evidence);
 
@@ -119,6 +131,8 @@ std::int64_t quiet_us(const Status& status, const OutputStatus& output);
 std::int64_t work_us(const Status& status);
 /// ", 99 % within 52 ms", of the slowest input; empty: not known yet.
 std::string p99_text(const Status& status);
+/// "hivectl ps" in an advice such as "see what runs: hivectl ps"; empty: none.
+std::string command_in(const std::string& advice);
 /// Events emitted by all outputs, without exceptions.
 std::int64_t emitted(const Status& status);
 
