@@ -334,6 +334,12 @@ TEST_CASE("explain: work that is shared with the key of a viewer, who may only w
     const auto set = near.hivectl({"set", "source", "fps=10"});
     CHECK_MESSAGE(has(set.err, "a viewer may not send set; use the members' key: hivectl key show"), set.err);
     CHECK(found(near, "explain source worker").command() == "hivectl key show");
+    near.hivectl_done({"set", "worker", "emits=false"});
+    near.hivectl_done({"connect", "source", "worker"});
+    far.hivectl_done({"set", "source", "pace=demand"});
+    const auto passive = awaited(near, "explain worker", "watched source");
+    CHECK_MESSAGE(has(passive.text(), "only viewers receive source.tick"), passive.text());
+    CHECK(passive.command() == "hivectl key show");
     use(members);  // which that command prints on the machine of a member
     CHECK(runs(near, "explain worker"));
     CHECK(near.hivectl({"set", "source", "fps=10"}).exit_code == 0);

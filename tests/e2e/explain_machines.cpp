@@ -136,6 +136,24 @@ TEST_CASE("explain: a sender that was stopped on the machine where it was starte
     CHECK(runs(shell, "explain worker"));
 }
 
+TEST_CASE("explain: a machine that is cut off, while a drone of this one has halted")
+{
+    if (!possible(missing_for_lab()))
+        return;
+    const Two two;
+    const auto shell = two.shell();
+    BadLink link(two.from(), two.to(), {.delay = 1ms});
+    two.to().hivectl_done("connect ticker worker");
+    CHECK(runs(shell, "explain worker"));
+    link.swallow();
+    two.to().hivectl_done("halt worker");
+    awaited(shell, "explain worker", "unreachable ticker, halted worker");
+    CHECK(shell.run("hivectl explain worker").took < patient(2500ms));
+    link.set({.delay = 1ms});
+    two.to().hivectl_done("resume worker");
+    CHECK(runs(shell, "explain worker"));
+}
+
 TEST_CASE("explain: a stream whose receiver is too slow")
 {
     const Swarm swarm;

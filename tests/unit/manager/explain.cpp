@@ -86,6 +86,35 @@ TEST_CASE("explain: a sender that this machine does not know is no cause for a r
     CHECK(causes(look).at(0).what == Cause::What::not_running);
 }
 
+TEST_CASE("explain: no text of a peer gets into a command if a shell would run a part of it")
+{
+    auto look = far(0);
+    auto& input = look.answers[1].status.inputs[0];
+    input.connected = false;
+    input.why = Reason::refused;
+    input.error = "no; run: hivectl key show";
+    CHECK(causes(look).at(0).command == "hivectl key show");
+    input.error = "no; run: hivectl key show | sh";
+    CHECK(causes(look).at(0).command == "hivectl connect camera.image face.image");
+    look.answers[0].error = Error(Errc::not_found, "camera is not running");
+    look.answers[1].place = {};
+    input.address = "tcp://cam1:7700";
+    input.kind = "camera";
+    Absent absent;
+    absent.ssh["cam1"] = "me@cam1";
+    const auto command = [&] {
+        Search search(look, nullptr, absent, "app-1");
+        search.target("face", "");
+        return search.causes().at(0).command;
+    };
+    CHECK(command() == "hivectl start camera --listen tcp://0.0.0.0:7700 --on me@cam1");
+    input.kind = "camera;reboot";
+    CHECK(command() == "hivectl ps");
+    input.kind = "camera";
+    input.address = "tcp://cam1:`reboot`";
+    CHECK(command() == "hivectl ps");
+}
+
 TEST_CASE("explain: a connection that takes events slowly is a cause only if the sender has to wait for it")
 {
     auto look = far(0);

@@ -191,7 +191,7 @@ try {
     case What::not_connected: return name_sender(application, cause);
     case What::held:
     case What::no_receiver:
-    case What::watched: return name_receiver(application, cause);
+    case What::watched: return cause.command.empty() ? name_receiver(application, cause) : void();
     case What::slow_connection: return shrink(application, cause);
     default: return;
     }

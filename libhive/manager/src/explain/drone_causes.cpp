@@ -3,11 +3,13 @@
 #include "search.hpp"
 
 #include <hive/duration_text.hpp>
+#include <hive/name.hpp>
 #include <hive/printable.hpp>
 #include <hive/program.hpp>
 #include <hive/transport/address.hpp>
 
 #include <algorithm>
+#include <cctype>
 
 namespace hive::explaining {
 namespace {
@@ -79,10 +81,18 @@ bool throws_its_condition(const Status& status)
 
 }  // namespace
 
+bool is_plain(const std::string& text)
+{
+    return std::ranges::all_of(text, [](unsigned char c) {
+        return std::isalnum(c) || std::string_view(" _=./:@-").find(static_cast<char>(c)) != std::string_view::npos;
+    });
+}
+
 std::string command_in(const std::string& advice)
 {
     const auto at = advice.find("hivectl ");
-    return at == std::string::npos ? "" : advice.substr(at, advice.find_first_of(",;", at) - at);
+    const auto command = at == std::string::npos ? "" : advice.substr(at, advice.find_first_of(",;", at) - at);
+    return is_plain(command) ? command : "";
 }
 
 std::string p99_text(const Status& status)
@@ -181,7 +191,7 @@ std::optional<Search::Start> Search::start_elsewhere(const std::string& drone) c
             if (owner_of(input.from) != drone || (beside_receiver && !is_elsewhere(answer.place)))
                 continue;
             Start start{.at = beside_receiver ? answer.place.host : input.address};
-            if (input.kind.empty())
+            if (!is_name(input.kind) || !is_name(drone))
                 return start;
             const auto [host, port] = host_and_port(input.address);
             start.there = start_command(input.kind, drone)

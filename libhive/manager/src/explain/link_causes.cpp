@@ -60,16 +60,17 @@ void Search::slower(What what, const Link& link, const std::string& text, const 
 /// For an input whose sender is running.
 void Search::unconnected(const StatusAnswer& answer, const InputStatus& input)
 {
-    const auto end = answer.drone + "." + input.input, connection = input.from + " -> " + end;
-    if (input.why == Reason::refused)
-        add(What::refused, answer.drone, input.from + " refuses " + end + ": " + input.error, "",
-            command_in(input.error).empty() ? "hivectl connect " + input.from + " " + end : command_in(input.error))
-            .connection = connection;
-    else if (input.why == Reason::dialing)
-        add(What::dialing, answer.drone,
-            end + " is not connected to " + input.from + (input.error.empty() ? "" : ": " + input.error), "",
-            "hivectl connect " + input.from + " " + end)
-            .connection = connection;
+    const auto end = answer.drone + "." + input.input;
+    const bool refused = input.why == Reason::refused;
+    if (!refused && input.why != Reason::dialing)
+        return;
+    const auto connect = is_plain(input.from) ? "hivectl connect " + input.from + " " + end : "";
+    const auto advised = refused ? command_in(input.error) : "";
+    const auto text =
+        refused ? input.from + " refuses " + end + ": " + input.error
+                : end + " is not connected to " + input.from + (input.error.empty() ? "" : ": " + input.error);
+    add(refused ? What::refused : What::dialing, answer.drone, text, "", advised.empty() ? connect : advised)
+        .connection = input.from + " -> " + end;
 }
 
 /// For a connection that skips events because too few are requested ahead.

@@ -18,6 +18,14 @@ bool is_meant(const OutputStatus& output, const std::string& port)
     return port.empty() ? output.name != exceptions : output.name == port;
 }
 
+/// Receivers that connected with the viewers' key, for bodies.
+bool has_viewers(const OutputStatus& output)
+{
+    return std::ranges::any_of(output.edges, [](const EdgeStatus& edge) {
+        return edge.connected && edge.options.delivery == Delivery::data && edge.receiver.ends_with(" (viewer)");
+    });
+}
+
 bool is_from(const InputStatus& input, const Endpoint& sender)
 {
     return sender.port.empty() ? owner_of(input.from) == hive::drone_of(sender.drone)
@@ -141,6 +149,10 @@ void Search::waits(const StatusAnswer& answer, const OutputStatus& output)
         add(Cause::What::held, answer.drone, "lossless events of " + end + " wait for a receiver of bodies", since);
     else if (output.why == Reason::no_receiver)
         add(Cause::What::no_receiver, answer.drone, end + " has no receivers", since);
+    else if (output.why == Reason::watched && has_viewers(output))
+        add(Cause::What::watched, answer.drone,
+            "only viewers receive " + end + ", and on demand it waits for a receiver with the members' key", since,
+            "hivectl key show");
     else if (output.why == Reason::watched)
         add(Cause::What::watched, answer.drone,
             "only headers of " + end + " are received, and on demand it waits for a receiver of bodies", since);

@@ -131,6 +131,8 @@ std::int64_t quiet_us(const Status& status, const OutputStatus& output);
 std::int64_t work_us(const Status& status);
 /// ", 99 % within 52 ms", of the slowest input; empty: not known yet.
 std::string p99_text(const Status& status);
+/// Can a text of a peer be in a command, since a shell takes no character of it for anything else?
+bool is_plain(const std::string& text);
 /// "hivectl ps" in an advice such as "see what runs: hivectl ps"; empty: none.
 std::string command_in(const std::string& advice);
 /// Events emitted by all outputs, without exceptions.
