@@ -31,7 +31,7 @@ extern "C" {
 #endif
 
 /* Grows with each addition: nothing here changes as long as the library is libhive-c.so.0. */
-#define HIVE_ABI_VERSION 5
+#define HIVE_ABI_VERSION 6
 
 /* --- errors --- */
 
@@ -424,6 +424,11 @@ HIVE_API hive_code hive_application_audit(hive_application* application, char** 
    that is unknown here; "state" is "silent" without an answer, "crashed" or "failed" (then "note" says why), and "gone"
    for a receiver that its sender awaits or counts losses for. */
 HIVE_API hive_code hive_application_graph(hive_application* application, char** json, size_t* length);
+/* The counters of the swarm, as hivectl metrics --json prints them: [{"name": "hive_drone_busy_seconds", "type":
+   "counter", "gauge", "info" or "stateset", "help", "unit", "samples": [{"labels": {name: text}, "value", "created_us":
+   wall clock at which a counter was 0}]}]. A name lacks the "_total" or "_info" of the text forms; "unit" and
+   "created_us" are left out if there is none. A drone that does not answer has "hive_drone_up" 0 and nothing else. */
+HIVE_API hive_code hive_application_metrics(hive_application* application, char** json, size_t* length);
 /* The failures of a drone that are kept on this machine, by number: [{"drone", "number", "time_us", "code", "text",
    "inputs": [{"input", "sender", "type", "size", "source", "epoch", "seq", "header"}]}]. "code" is that of an error, or
    "died", "silent" (disconnected) or "late" (exceeded its lease). The drone need not run. */

@@ -160,6 +160,7 @@ std::map<std::string, Call> calls_of_applications(Places& p)
             ON(hive_application, hive_application_advise, R"(["x"])", nullptr, &p.text, &p.size),
             ON(hive_application, hive_application_audit, &p.text, &p.size),
             ON(hive_application, hive_application_graph, &p.text, &p.size),
+            ON(hive_application, hive_application_metrics, &p.text, &p.size),
             ON(hive_application, hive_application_failures, "x", &p.text, &p.size),
             ON(hive_application, hive_application_rerun, "x", 0, nullptr, &p.text, &p.size),
             ON(hive_application, hive_application_exception_policy, "x", "skip"),

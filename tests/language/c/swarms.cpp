@@ -283,6 +283,14 @@ TEST_CASE("c: a drone is started and stopped, one that does not start says why, 
     REQUIRE(hive_application_graph(lab.application, text.place(), nullptr) == HIVE_OK);
     CHECK(text.json().at("drones").size() == 2);
     CHECK(text.json().at("connections").at(0).at("to") == "worker.image");
+    std::size_t length = 0;
+    REQUIRE(hive_application_metrics(lab.application, text.place(), &length) == HIVE_OK);
+    CHECK(length == text.text().size());
+    const auto up = text.json().at(0);
+    CHECK(up.at("name") == "hive_drone_up");
+    CHECK(up.at("type") == "gauge");
+    CHECK(up.at("samples").size() == 2);
+    CHECK(up.at("samples").at(0) == Json{{"labels", {{"drone", "source"}, {"host", "local"}}}, {"value", 1.0}});
     REQUIRE(hive_application_failures(lab.application, "worker", text.place(), nullptr) == HIVE_OK);
     CHECK(text.json() == Json::array());
     const auto rerun = [&](const char* drone, const char* options) {

@@ -170,6 +170,19 @@ class Applications(World):
         self.refused("not_found", self.swarm.advise, "nobody")
         self.refused("invalid_argument", self.swarm.advise, goal="colour")
 
+    def test_the_counters_of_a_swarm_are_values(self):
+        self.drone("ticker", "source", "fps=50")
+        self.drone("sleeper", "worker")
+        self.swarm.connect("source", "worker")
+        self.assertIsNotNone(self.swarm.collect("worker").next(PATIENCE))
+        families = {family["name"]: family for family in self.swarm.metrics()}
+        up = [(each["labels"], each["value"]) for each in families["hive_drone_up"]["samples"]]
+        self.assertEqual(up, [({"drone": name, "host": "local"}, 1) for name in ("source", "worker")])
+        (emitted,) = [each for each in families["hive_output_emitted_events"]["samples"] if each["labels"]["drone"] == "source"]
+        self.assertEqual((emitted["labels"]["output"], families["hive_output_emitted_events"]["type"]), ("tick", "counter"))
+        self.assertGreater(emitted["value"], 0)
+        self.assertGreater(emitted["created_us"], 0)
+
     def test_events_between_two_drones_are_explained(self):
         self.drone("ticker", "source")
         self.drone("sleeper", "worker")

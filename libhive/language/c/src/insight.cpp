@@ -1,4 +1,4 @@
-// The functions explain, advise, audit, graph, failures and rerun.
+// The functions explain, advise, audit, graph, metrics, failures and rerun.
 #include "application_object.hpp"
 #include "own_timeout.hpp"
 #include "texts.hpp"
@@ -8,6 +8,7 @@
 #include <hive/audit.hpp>
 #include <hive/explain.hpp>
 #include <hive/graph.hpp>
+#include <hive/metrics.hpp>
 #include <hive/rerun.hpp>
 
 #include <algorithm>
@@ -74,6 +75,11 @@ hive_code hive_application_audit(hive_application* application, char** json, siz
 hive_code hive_application_graph(hive_application* application, char** json, size_t* length)
 {
     return give_found(application, json, length, [](Application& open) { return graph(open); });
+}
+
+hive_code hive_application_metrics(hive_application* application, char** json, size_t* length)
+{
+    return give_found(application, json, length, [](Application& open) { return metrics(open); });
 }
 
 hive_code hive_application_failures(hive_application* application, const char* drone, char** json, size_t* length)

@@ -14,7 +14,7 @@ from typing import Any, Generator, Optional
 from ._errors import Error
 
 SONAME = "libhive-c.so.0"
-_ABI = 5
+_ABI = 6
 
 
 def _load() -> ctypes.CDLL:
@@ -106,7 +106,7 @@ collector_next_set hlPnN|collector_counts hPN|collector_count hsQ|collector_inpu
 swarm_check ssPN|swarm_schema PN|swarm_open hssP|swarm_close h|swarm_export hssPN|swarm_differences hPN
 swarm_up hlWhPN|swarm_down hlWhPN|swarm_stay hEh|swarm_remembered hPN|swarm_running hssPN
 application_replace hssP|application_start hssP|application_explain hsPN|application_advise hssPN
-application_audit hPN|application_graph hPN|application_failures hsPN|application_rerun hslsPN
+application_audit hPN|application_graph hPN|application_metrics hPN|application_failures hsPN|application_rerun hslsPN
 """
 
 

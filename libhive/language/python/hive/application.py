@@ -438,6 +438,13 @@ class Application(Finding):
         "kind", "state" (also "silent", "crashed", "failed" and "gone") and "note"; "connections" have "from", "to", "group" and "connected"."""
         return ask_object(lib.hive_application_graph, self._handle)
 
+    def metrics(self) -> list[dict[str, Any]]:
+        """The counters of the swarm, as `hivectl metrics --json` prints them: each with "name", "type" ("counter",
+        "gauge", "info" or "stateset"), "help", "unit" if it has one, and "samples": each with "labels", "value" and,
+        of a counter, "created_us", the wall clock at which it was 0.  A name lacks the "_total" or "_info" of the text
+        form.  A drone that does not answer has "hive_drone_up" 0 and nothing else."""
+        return ask_list(lib.hive_application_metrics, self._handle)
+
     def failures(self, drone: str) -> list[dict[str, Any]]:
         """The failures of a drone that are kept on this machine, the newest last: "number", "time_us", "code" (of
         an error, or "died", "silent", "late"), "text", and "inputs", each with "input", "sender", "source", "seq",
