@@ -337,6 +337,7 @@ Json to_json(const Status& status)
     write_text(json, "swarm", status.swarm);
     if (status.order)
         json["order"] = to_json(*status.order);
+    write_text(json, "version", status.version);
     return json;
 }
 
@@ -372,6 +373,7 @@ Status status_from_json(const Json& object)
     status.swarm = fields.text_or("swarm", "");
     if (fields.has("order"))
         status.order = drone_order_from_json(fields.object("order"));
+    status.version = fields.text_or("version", "");
     return status;
 }
 

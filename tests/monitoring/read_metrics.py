@@ -44,7 +44,7 @@ def main():
         dashboard = json.load(file)
     queries = [target["expr"] for panel in dashboard["panels"] for target in panel["targets"]]
     queries.append(re.search(r"\((hive_\w+),", dashboard["templating"]["list"][1]["definition"]).group(1))
-    for name in re.findall(r"hive_(?:connection|drone|group|input|output|scrape)_\w+", named + " ".join(queries)):
+    for name in re.findall(r"hive_(?:audit|connection|drone|group|input|output|scrape)_\w+", named + " ".join(queries)):
         assert name in known, f"a rule or the dashboard names {name}, and there is none"
     ids = [panel["id"] for panel in dashboard["panels"]]
     assert len(ids) == len(set(ids)) and dashboard["id"] is None and dashboard["uid"] == "hive-swarm"

@@ -80,7 +80,8 @@ Status StatusReport::without_rows() const
                   .halted = board.halted,
                   .places = listening_.places(),
                   .swarm = board.swarm,
-                  .order = order(board)};
+                  .order = order(board),
+                  .version = declaration_.interface.version};
     for (const auto& outlet : module_.outlets())
         status.outputs.push_back(outlet.status());
     return status;

@@ -182,6 +182,7 @@ struct Status {
     std::vector<std::string> places{};   ///< addresses where it is reachable: "unix:/...", "tcp://cam1:7700"
     std::string swarm{};                 ///< the swarm that started it and may stop it; empty: none
     std::optional<DroneOrder> order{};   ///< its configuration; empty: not reported
+    std::string version{};               ///< of its Hive, as in its interface; empty: not reported
 };
 
 Json to_json(const EdgeStatus& edge);

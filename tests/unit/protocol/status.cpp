@@ -151,6 +151,7 @@ TEST_CASE("status: the drone's own fields, its matching and its last exception c
     status.machine = {.processors = 7, .cpu_us = 8, .memory = 9, .memory_available = 10, .memory_limited = true};
     status.why = Reason::halted;
     status.source_events = 300;
+    status.version = "0.1.0";
     status.matching.push_back({.inputs = {"image", "marks"},
                                .sets = 1,
                                .waiting = 2,
@@ -174,6 +175,7 @@ TEST_CASE("status: the drone's own fields, its matching and its last exception c
     CHECK(back.callback == "image");
     CHECK(back.why == Reason::halted);
     CHECK(back.source_events == 300);
+    CHECK(back.version == "0.1.0");
     CHECK(back.memory == 6);
     CHECK(back.machine.processors == 7);
     CHECK(back.machine.memory_available == 10);

@@ -82,6 +82,10 @@ inline constexpr Described queued{"hive_input_queued_events", gauge, "events",
 inline constexpr Described in_progress{"hive_input_in_progress_events", gauge, "events",
                                        "Events that the drone's code works on."};
 
+// --- of both ends ---
+inline constexpr Described audit_lost{"hive_audit_lost_events", counter, "events",
+                                      "Events lost although no option allowed it, as hivectl audit counts them."};
+
 inline constexpr Described scrape_duration{"hive_scrape_duration_seconds", gauge, "seconds",
                                            "How long it took to query all drones."};
 

@@ -50,6 +50,22 @@ void add_account(Book& book, const AccountFamilies& families, const Labels& labe
     book.add(families.in_flight, labels, count(events.in_flight()));
 }
 
+/// Losses of a sender, as audit() counts them.
+std::int64_t lost(const Ledger& events)
+{
+    std::int64_t sum = 0;
+    for (std::size_t fate = 0; fate < fates; ++fate)
+        sum += is_loss(static_cast<Fate>(fate)) ? events.of(static_cast<Fate>(fate)) : 0;
+    return sum;
+}
+
+/// @param peer  the receiver or the group; empty: the drone itself lost them, at an input
+void add_lost(Book& book, const std::string& drone, const std::string& port, const std::string& peer,
+              std::int64_t events, std::int64_t created)
+{
+    book.add(audit_lost, {{"drone", drone}, {"port", port}, {"peer", peer}}, count(events), created);
+}
+
 void add_group(Book& book, const std::string& drone, const OutputStatus& output, const EdgeStatus& group,
                std::int64_t created)
 {
@@ -60,6 +76,7 @@ void add_group(Book& book, const std::string& drone, const OutputStatus& output,
     });
     book.add(group_members, labels, count(members));
     add_account(book, {group_came, group_settled, group_in_flight}, labels, group.events, created);
+    add_lost(book, drone, output.name, group.receiver, lost(group.events), created);
 }
 
 void add_edge(Book& book, const std::string& from, const EdgeStatus& edge, std::int64_t created)
@@ -71,6 +88,8 @@ void add_edge(Book& book, const std::string& from, const EdgeStatus& edge, std::
     book.add(window, labels, edge.options.window);
     book.add(shared, labels, count(edge.shared), created);
     book.add(fallback, labels, count(edge.fallback), created);
+    const auto [drone, output] = split(from);
+    add_lost(book, drone, output, edge.receiver, lost(edge.events), created);
 }
 
 /// Applications have counters only while they receive, and a new name each time: they are counted, not listed.
@@ -109,6 +128,7 @@ void add_input(Book& book, const std::string& drone, const InputStatus& input, s
         book.add(input_settled, with(labels, "fate", fate), count(events), created);
     book.add(queued, labels, count(input.queued));
     book.add(in_progress, labels, count(input.in_hand));
+    add_lost(book, drone, input.input, "", input.abandoned + input.dropped, created);
 }
 
 void add_distance(Book& book, const std::string& drone, const InputStatus& input)
@@ -129,7 +149,12 @@ void add_drone(Book& book, const StatusAnswer& answer)
     const auto& status = answer.status;
     const Labels labels{{"drone", answer.drone}};
     book.add(drone,
-             {{"drone", answer.drone}, {"host", answer.place.host}, {"kind", status.kind}, {"swarm", status.swarm}}, 1);
+             {{"drone", answer.drone},
+              {"host", answer.place.host},
+              {"kind", status.kind},
+              {"swarm", status.swarm},
+              {"version", status.version}},
+             1);
     for (const auto each : {State::starting, State::idle, State::busy, State::halted, State::stopping})
         book.add(drone_state, with(labels, drone_state.name, token(each)), each == status.state ? 1 : 0);
     book.add_us(drone_start, labels, status.epoch);
