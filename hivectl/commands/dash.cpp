@@ -59,8 +59,9 @@ Verb verb()
             .summary = "Shows the swarm in a browser: graph, rates, live images, parameters",
             .details = "Prints the address to open in a browser on this machine, and serves it until Ctrl-C. The page "
                        "shows the graph of drones and connections, the result of hivectl audit and the first cause of "
-                       "hivectl explain. For a selected drone it shows live images, parameters, rates, exceptions and "
-                       "log, and can halt, resume, replace or stop it; for a connection it shows the counters of both "
+                       "hivectl explain. For a selected drone it shows live images, parameters, rates, the result of "
+                       "hivectl advise, exceptions and log, and can halt, resume, replace or stop it; for a connection "
+                       "it shows the counters of both "
                        "ends, and can change window, transfer and encoding.\n\n"
                        "Anyone with the address can change the swarm. Its token is saved in dash.token in the runtime "
                        "directory, so an open page reconnects when hivectl dash is restarted. The graph needs the "

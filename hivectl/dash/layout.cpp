@@ -77,7 +77,7 @@ std::string owner_of(const std::string& end, const hive::SwarmGraph& graph)
 
 std::string dot_of(const hive::SwarmGraph& graph)
 {
-    constexpr std::size_t many = 24;
+    constexpr std::size_t many = 24, max_labelled = 128;
     const std::string between = graph.drones.size() > many ? "0.06" : "0.2";
     const auto places = places_of(graph);
     std::map<std::string, std::string> machines;
@@ -96,10 +96,11 @@ std::string dot_of(const hive::SwarmGraph& graph)
     for (const auto& ends : graph.connections) {
         const auto from = owner_of(ends.from, graph), to = owner_of(ends.to, graph);
         const auto& group = ends.options().group;
-        const auto label = quoted(" 000.0/s " + (group.empty() ? "" : group + " "));
+        auto label = quoted(" 000.0/s " + (group.empty() ? "" : group + " "));
+        label.insert(label.size() - 1, "\\n 00.0 ms ");
         const auto &first = places.at(from), &second = places.at(to);
         text += "  " + quoted(from) + " -> " + quoted(to) + " [id=" + quoted("edge:" + id_of(ends)) + ", class=\"edge\""
-                + (graph.connections.size() > many ? "" : ", label=" + label)
+                + (graph.connections.size() > max_labelled ? "" : ", label=" + label)
                 + ", minlen=" + std::to_string(first.columns - first.column + second.column) + "];\n";
     }
     for (const auto& [name, place] : places)

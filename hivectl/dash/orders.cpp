@@ -5,9 +5,12 @@
 #include "run/kept_inputs.hpp"
 #include "words/places.hpp"
 
+#include <hive/advise.hpp>
 #include <hive/explain.hpp>
 #include <hive/name.hpp>
+#include <hive/printable.hpp>
 #include <hive/process.hpp>
+#include <hive/rerun.hpp>
 #include <hive/start.hpp>
 
 #include <algorithm>
@@ -105,6 +108,9 @@ Json failures_of(Application& application, const std::string& drone)
     for (const auto& failure : application.failures(drone)) {
         auto row = Json::parse(failure_row(failure).json());
         row["image"] = std::ranges::any_of(failure.inputs, is_image);
+        row["inputs"] = to_json(failure).at("inputs");
+        for (auto& input : row["inputs"])
+            input["header"] = hive::shortened(hive::to_text(input.at("header")));
         rows.insert(rows.begin(), std::move(row));
     }
     return rows;
@@ -171,6 +177,14 @@ Errands::Work image_of(std::string drone, std::int64_t number)
         }
         throw hive::Error(hive::Errc::not_found,
                           "failure " + std::to_string(number) + " of " + drone + " has no image here");
+    };
+}
+
+Errands::Work advise_of(std::string drone, const std::string& goal)
+{
+    const auto wanted = goal == hive::token(hive::Goal::latency) ? hive::Goal::latency : hive::Goal::fps;
+    return [drone = std::move(drone), wanted](Application& application) {
+        return to_json(hive::advise(application, {drone}, {.goal = wanted}));
     };
 }
 

@@ -120,6 +120,9 @@ Site::Answer Site::answer_get(const Words& path, const Request& request, Visit& 
     if (path.size() == 3 && path[0] == "failure")
         return errand(
             questions_, visit, [&] { return image_of(path[1], static_cast<std::int64_t>(number_in(path[2]))); }, image);
+    if (path.size() == 3 && path[0] == "advice")
+        return errand(
+            questions_, visit, [&] { return advise_of(path[1], path[2]); }, json);
     if (path.size() == 3 && path[0] == "why")
         return errand(
             questions_, visit, [&] { return explain_of(path[1], path[2]); }, json);

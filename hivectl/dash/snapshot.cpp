@@ -229,6 +229,7 @@ Json drone_details(const Snapshot& snapshot, const std::string& drone)
     }
     return {{"drone", *row},
             {"pid", status.pid},
+            {"version", status.version},
             {"uptime_us", status.uptime_us},
             {"on_exception", hive::token(status.policy)},
             {"places", status.places},

@@ -59,7 +59,7 @@ TEST_CASE("dash: who has not the token sees nothing, and other sites change noth
     const std::string order = R"({"do": "halt", "drone": "camera"})";
     const auto halted = [&] { return swarm.application().status("camera").state == hive::State::halted; };
     for (const auto* path : {"/", "/events", "/dash.js", "/graph.svg", "/drone/camera", "/ask/camera",
-                             "/picture/camera.tick/320/0", "/failure/camera/1"}) {
+                             "/picture/camera.tick/320/0", "/failure/camera/1", "/advice/camera/fps"}) {
         CHECK_MESSAGE(page.curl(path, {}).ends_with("403"), path);
         CHECK_MESSAGE(page.curl(path, {"-b", page.cookie(), "-H", "Host: evil.example"}).ends_with("403"), path);
         CHECK_MESSAGE(page.curl(path, {"-b", page.cookie(), "-H", "Sec-Fetch-Site: cross-site"}).ends_with("403"),
@@ -248,6 +248,7 @@ TEST_CASE("dash: the image at which a drone failed is a JPEG that is shrunk to i
         CHECK_MESSAGE(page.get(path).ends_with("404"), path);
     const auto asked = json_of(page.get("/ask/boom"));
     CHECK(asked.at("failures").at(0).at("image") == true);
+    CHECK(has(asked.at("failures").at(0).at("inputs").at(0).at("header").get<std::string>(), "\"width\":1920"));
     CHECK_FALSE(asked.contains("interface"));
     CHECK(json_of(page.get("/ask/other")).at("failures").at(0).at("image") == false);
 }
@@ -270,6 +271,13 @@ TEST_CASE("dash in a browser: the page survives drones and hivectl dash that are
 TEST_CASE("dash in a browser: two pages receive an output once, and closed ones not at all") { in_browser("shared"); }
 
 TEST_CASE("dash in a browser: 24 outputs at once") { in_browser("many"); }
+
+TEST_CASE("dash in a browser: 64 drones have the rate of each connection and the age of its events")
+{
+    in_browser("rates");
+}
+
+TEST_CASE("dash in a browser: advice names the bottleneck and has a command that is copied") { in_browser("advice"); }
 
 TEST_CASE("dash in a browser: a source on demand waits until its image is asked for") { in_browser("demand"); }
 

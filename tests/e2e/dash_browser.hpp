@@ -13,8 +13,11 @@ namespace hive::test {
 
 inline std::string missing_for_browser()
 {
-    const bool there = std::filesystem::exists("/usr/bin/chromium") && std::filesystem::exists("/usr/bin/dot");
-    return sanitized() ? missing_if_sanitized() : there ? "" : "chromium and graphviz";
+    if (sanitized())
+        return missing_if_sanitized();
+    if (!std::filesystem::exists("/usr/bin/chromium"))
+        return "chromium; install it: scripts/install-deps --browser";
+    return std::filesystem::exists("/usr/bin/dot") ? "" : "graphviz";
 }
 
 inline std::vector<std::string> browser_words(const std::string& file, const std::string& scenario)

@@ -74,6 +74,14 @@ def select(page, drone):
     page.until("document.querySelectorAll('.parameter').length > 0")
 
 
+def copied(browser, page, selector):
+    """What the first Copy button of an element puts into the clipboard."""
+    browser.call("Browser.grantPermissions", permissions=["clipboardReadWrite", "clipboardSanitizedWrite"])
+    page.click(selector + " .command button", "Copy")
+    page.see(selector + " .command small", "copied")
+    return page.run("navigator.clipboard.readText()")
+
+
 def parameters(browser, dash):
     """A parameter is set at once, and the drone's answer is shown: applied, rounded or refused."""
     hivectl("start", "camera", "fps=10")
@@ -172,6 +180,11 @@ def exceptions(browser, dash):
     select(page, "thrower")
     page.see(".exceptions li", "failed: ")
     page.see(".exceptions code", "hivectl rerun thrower 1")
+    page.click(".exceptions summary", "Input")
+    page.see(".exceptions details[open] p", "image: image/")
+    page.see(".exceptions details[open] p", "from camera.image, event ")
+    page.see(".exceptions details[open] pre", '"width":640')
+    assert copied(browser, page, ".exceptions") == "hivectl rerun thrower 1"
     page.until("document.querySelector('.exceptions img[alt]')?.naturalWidth === 640")
     assert page.run("document.querySelectorAll('.exceptions li').length") == 1, "a kept exception is listed once"
     page.see("#panel pre", "error thrower")
@@ -273,6 +286,56 @@ def many(browser, dash):
     page.until("document.querySelectorAll('#list tbody tr').length === 1")
     page.click("#list button", "camera-17")
     page.see("#panel h2", "camera-17")
+
+
+RATES = "[...document.querySelectorAll('g.edge')].map(e => [...e.querySelectorAll('text')].map(t => t.textContent))"
+OVERLAPS = """(boxes => boxes.filter((a, i) => boxes.some((b, j) => i < j && a.left < b.right - 1 && b.left < a.right - 1
+    && a.top < b.bottom - 3 && b.top < a.bottom - 3)).length)([...document.querySelectorAll('g.edge text')].map(t => t.getBoundingClientRect()))"""
+
+
+def rates(browser, dash):
+    """64 drones: each of 96 connections has its rate and the age of its newest event, and no two of them overlap."""
+    names = {"source": {"kind": "ticker", "count": 8, "set": {"fps": 5}}, "worker": {"kind": "sleeper", "count": 48},
+             "sink": {"kind": "sleeper", "count": 8}}
+    wires = [{"from": f"source-{i}", "to": f"worker-{6 * (i - 1) + j}"} for i in range(1, 9) for j in range(1, 7)]
+    wires += [{"from": f"worker-{6 * (i - 1) + j}.result", "to": f"sink-{i}"} for i in range(1, 9) for j in range(1, 7)]
+    file = pathlib.Path(os.environ["HIVE_HOME"]) / "rates.json"
+    file.write_text(json.dumps({"swarm": "rates", "drones": names, "connections": wires}))
+    hivectl("up", str(file))
+    page = browser.open(dash.url)
+    page.until(f"{RATES}.filter(([rate, age]) => /^[1-9][0-9.]*.s$/.test(rate) && /^[0-9.]+ (µs|ms|s)$/.test(age)).length === 96")
+    assert page.run(OVERLAPS) == 0, page.run(RATES)
+    assert page.text("#rates") == ""
+
+
+def advice(browser, dash):
+    """Where the time of a drone's events goes, and a command to copy that does help."""
+    hivectl("start", "ticker", "--as", "source", "fps=50")
+    hivectl("start", "sleeper", "--as", "worker", "work_ms=80")
+    hivectl("connect", "source", "worker")
+    page = browser.open(dash.url)
+    select(page, "source")
+    page.see("#panel li button", "source.tick → worker.image")
+    assert not page.run("document.querySelector('.advice').getClientRects().length"), "it receives nothing"
+    select(page, "worker")
+    page.click(".advice button", "Advise")
+    page.see(".advice [role=status]", "measuring")
+    page.see(".advice caption", "source → worker")
+    page.see(".advice td", "work")
+    page.see(".advice p", "Bottleneck: work at worker")
+    page.see(".advice .proposal .facts", "predicted: ")
+    command = copied(browser, page, ".advice")
+    assert command.startswith("hivectl start sleeper --as worker-2 "), command
+    subprocess.run(command, shell=True, check=True, capture_output=True, timeout=60)
+    page.until("!!document.getElementById('drone:worker-2')")
+    hivectl("halt", "source")
+    page.until("document.getElementById('drone:worker').textContent.includes(' 0.0/s')")  # the last events are worked on
+    page.run("document.querySelector('.advice select').value = 'latency'")
+    page.click(".advice button", "Advise")
+    page.see(".advice p", "No events came.")
+    hivectl("resume", "source")
+    hivectl("disconnect", "source", "worker")
+    page.until("!document.querySelector('.advice').getClientRects().length")
 
 
 def demand(browser, dash):

@@ -171,6 +171,8 @@ def hundreds(browser, dash):
     numbers_s = time.monotonic() - begin
     page.until("document.querySelectorAll('g.drone').length === 300", 90)
     graph_s = time.monotonic() - begin
+    page.until("[...document.querySelectorAll('g.edge text')].filter(e => e.textContent.includes('/s')).length === 24")
+    page.see("#rates", "Rates of the 24 busiest of 270 connections")
     page.run("window.looks = [performance.now()]; new MutationObserver(() => looks.push(performance.now()))"
              ".observe(document.body, { attributeFilter: ['data-version'] })")
     used, since = processor_s(dash.process), time.monotonic()

@@ -9,7 +9,7 @@ const shown_at_once = 24;  // images
 let swarm = { drones: [], edges: [], bar: {} };
 let view = "graph", panel = null, selected = null, stream = null, version = null;
 const walls = new Map();  // live images by output
-const graph = new Graph(at("graph"), select);
+const graph = new Graph(at("graph"), select, at("rates"));
 
 // --- what is selected ---
 
@@ -156,7 +156,7 @@ function choose(next) {
   view = next;
   for (const button of document.querySelectorAll("[data-view]")) button.setAttribute("aria-pressed", button.dataset.view === next);
   for (const id of ["graph", "list", "images"]) at(id).hidden = id !== next;
-  at("zoom").hidden = next !== "graph";
+  at("zoom").hidden = at("rates").hidden = next !== "graph";
   show_view();
 }
 

@@ -1,6 +1,6 @@
 // The list of a drone's exceptions and kept failures.
 "use strict";
-import { clock, element, path } from "./parts.js";
+import { clock, command_line, element, path, size } from "./parts.js";
 
 const is_same = (one, other) => ["source", "seq", "code", "text"].every(key => one[key] === other[key]);
 
@@ -15,8 +15,14 @@ export function exception_rows(drone, exceptions, failures) {
 }
 
 /// The failures of drones of one name on two machines are kept together.
-function kept(drone, { number, image }) {
+function kept(drone, { number, image, inputs }) {
   drone = drone.split("@")[0];
-  const command = element("p", {}, "try ", element("code", { textContent: `hivectl rerun ${drone} ${number}` }));
-  return image ? [element("img", { src: path("failure", drone, number), alt: `Input of failure ${number} of ${drone}` }), command] : [command];
+  const given = element("details", {}, element("summary", { textContent: inputs.length === 1 ? "Input" : `${inputs.length} inputs` }),
+    ...inputs.flatMap(input_rows));
+  return [...image ? [element("img", { src: path("failure", drone, number), alt: `Input of failure ${number} of ${drone}` })] : [],
+    given, command_line(`hivectl rerun ${drone} ${number}`)];
 }
+
+const input_rows = ({ input, sender, type, size: bytes, source, seq, header }) => [
+  element("p", { textContent: `${input}: ${type}, ${size(bytes)}, ${sender ? `from ${sender}, ` : ""}event ${seq} of ${source}` }),
+  element("pre", { textContent: header, tabIndex: 0, "aria-label": `Header of the event at ${input}` })];

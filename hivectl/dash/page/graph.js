@@ -2,10 +2,14 @@
 "use strict";
 import { duration, known, mood, per_second, write } from "./parts.js";
 
+const max_labels = 24;  // of a graph that has no room for all
+
 export class Graph {
-  constructor(place, select) {
+  /// @param note  says which rates are shown if not all are
+  constructor(place, select, note) {
     this.place = place;
     this.select = select;
+    this.note = note;
     this.version = 0;
     this.zoom = 0;  // 0: as it fits
     place.addEventListener("wheel", event => {
@@ -65,7 +69,8 @@ export class Graph {
     line.after(near);
     const id = edge.id.slice("edge:".length);
     edge.onclick = () => this.select({ edge: id });
-    this.edges.set(id, { node: edge, label: edge.querySelector("text"), title: edge.querySelector("title") });
+    const [label, age] = edge.querySelectorAll("text");
+    this.edges.set(id, { node: edge, line, label, age, bare: !label, title: edge.querySelector("title") });
   }
 
   /// Enter selects; an arrow goes to the nearest drone in its direction.
@@ -109,8 +114,30 @@ export class Graph {
       if (parts.node.getAttribute("aria-label") !== said) parts.node.setAttribute("aria-label", said);
       write(parts.title, said);
     }
+    this.label_busiest(swarm.edges);
     for (const edge of swarm.edges) this.update_edge(edge);
     this.mark();
+  }
+
+  /// Of connections for which Graphviz was to make no room: those that lose events, then those with the highest rates. Rates
+  /// are rounded, so that labels do not come and go with each second.
+  label_busiest(edges) {
+    const bare = edges.filter(edge => this.edges.get(edge.id)?.bare);
+    const rank = edge => (edge.losing ? 1e9 : 0) + Math.round(edge.per_s ?? 0);
+    const busiest = new Set([...bare].sort((one, other) => rank(other) - rank(one)).slice(0, max_labels));
+    for (const edge of bare) {
+      const parts = this.edges.get(edge.id);
+      if (!busiest.has(edge)) {
+        parts.label?.remove();
+        parts.label = null;
+      } else if (!parts.label) {
+        const middle = parts.line.getPointAtLength(parts.line.getTotalLength() / 2);
+        parts.label = document.createElementNS(this.svg.namespaceURI, "text");
+        for (const [name, value] of [["x", middle.x], ["y", middle.y], ["text-anchor", "middle"]]) parts.label.setAttribute(name, value);
+        parts.node.append(parts.label);
+      }
+    }
+    write(this.note, bare.length > max_labels ? `Rates of the ${max_labels} busiest of ${edges.length} connections; List has all.` : "");
   }
 
   update_edge(edge) {
@@ -118,7 +145,9 @@ export class Graph {
     if (!parts) return;
     const lost = edge.lost > 0 ? `, ${edge.lost} lost` : "";
     const text = per_second(edge.per_s) + (edge.group ? ` ${edge.group}` : "") + lost;
-    if (parts.label) write(parts.label, text);
+    const is_connected = edge.state === "connected" && known(edge.age_us);
+    if (parts.label) write(parts.label, parts.bare && is_connected ? `${text}, ${duration(edge.age_us)}` : text);
+    if (parts.age) write(parts.age, is_connected ? duration(edge.age_us) : "");
     parts.node.classList.toggle("bad", edge.verdict !== "ok" || edge.losing);
     parts.node.classList.toggle("idle", edge.state !== "connected");
     write(parts.title, `${edge.from} to ${edge.to}: ${text}, age ${duration(edge.age_us)}`);

@@ -1,5 +1,6 @@
 // The panels of one drone and of one connection.
 "use strict";
+import { Advice } from "./advice.js";
 import { exception_rows } from "./exceptions.js";
 import { LiveImage, ask, careful_button, duration, element, error_text, known, line_of, order, path, per_second, percent, runs,
          write } from "./parts.js";
@@ -126,8 +127,10 @@ export class DronePanel extends Panel {
       careful_button("Replace", `Replace ${name} by a new process?`, () => this.act({ do: "replace", drone: name }, "replaced")),
       careful_button("Stop", `Stop ${name}?`, () => this.act({ do: "stop", drone: name }, "stopped")));
     const part = (title, node) => element("section", {}, element("h3", { textContent: title }), node);
-    this.all = [this.head, this.facts, this.buttons, this.answer, this.images, this.lines,
-      part("Parameters", this.parameters), part("Connections", this.edges), part("Exceptions", this.exceptions), part("Log", this.log)];
+    this.advice = part("What would help?", new Advice(name).all);
+    this.advice.hidden = true;  // until it receives
+    this.all = [this.head, this.facts, this.buttons, this.answer, this.images, this.lines, part("Parameters", this.parameters),
+      part("Connections", this.edges), this.advice, part("Exceptions", this.exceptions), part("Log", this.log)];
   }
 
   stop() {
@@ -150,8 +153,9 @@ export class DronePanel extends Panel {
     this.show_log(asked.log ?? asked.log_problem);
   }
 
-  show_details({ drone, pid, uptime_us, per_s, busy_percent }) {
-    const parts = [drone.kind, drone.state, drone.host, ...runs(drone) ? [`process ${pid}`, `up ${duration(uptime_us)}`] : []];
+  show_details({ drone, pid, version, uptime_us, per_s, busy_percent }) {
+    const parts = [drone.kind, drone.state, drone.host, ...runs(drone) ? [`process ${pid}`, `up ${duration(uptime_us)}`] : [],
+      version && `Hive ${version}`];
     write(this.facts, parts.filter(Boolean).join(" · ") + (drone.note ? `. ${drone.note}` : ""));
     if (runs(drone)) this.show_images(drone);
     else this.hide_images();
@@ -195,6 +199,7 @@ export class DronePanel extends Panel {
 
   show_edges() {
     const edges = this.page.swarm().edges.filter(edge => edge.sender === this.name || edge.receiver === this.name);
+    this.advice.hidden = !edges.some(edge => edge.receiver === this.name);
     const key = JSON.stringify(edges.map(edge => [edge.id]));
     if (key === this.edges_shown) return;
     this.edges_shown = key;

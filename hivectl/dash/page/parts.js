@@ -26,6 +26,9 @@ export function duration(us) {
   if (ms < 60000) return sign + (ms / 1000).toFixed(1) + " s";
   return sign + (ms < 7200000 ? Math.round(ms / 60000) + " min" : Math.round(ms / 3600000) + " h");
 }
+export function size(bytes) {
+  return bytes < 1000 ? bytes + " B" : bytes < 1e6 ? (bytes / 1000).toFixed(1) + " kB" : (bytes / 1e6).toFixed(1) + " MB";
+}
 export const clock = us => new Date(us / 1000).toLocaleTimeString();
 
 /// "good", "warn", "bad" or "": of the state of a drone.
@@ -53,6 +56,17 @@ export const ask = where => answer_to(fetch(where, { cache: "no-store" }));
 export const order = what => answer_to(fetch("/orders", {
   method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(what) }));
 export const error_text = error => error.text + (error.advice ? "; " + error.advice : "");
+
+/// A command, with a button that copies it for a terminal.
+export function command_line(text) {
+  const code = element("code", { textContent: text }), said = element("small", { role: "status" });
+  const copy = async () => {
+    getSelection().selectAllChildren(code);  // a page without TLS from another machine has no clipboard
+    write(said, await navigator.clipboard?.writeText(text).then(() => true, () => false) ? "copied" : "selected");
+  };
+  return element("p", { className: "command" }, code,
+    element("button", { type: "button", textContent: "Copy", "aria-label": "Copy " + text, onclick: copy }), said);
+}
 
 /// A button that asks once more before it acts.
 export function careful_button(name, question, act) {
