@@ -1,10 +1,13 @@
 // Compares the predictions of hivectl advise with the effects of its commands.
 #include "bad_link.hpp"
 #include "measure.hpp"
+#include "status_sums.hpp"
 
 #include <possible.hpp>
 
+#include <array>
 #include <cmath>
+#include <fstream>
 #include <functional>
 #include <thread>
 
@@ -53,17 +56,22 @@ public:
                const std::vector<std::string>& before, const std::vector<std::string>& after, const std::string& what,
                const std::string& goal = "fps")
     {
+        judge(
+            name, shell, before.front(), [&] { return measured(application, after); }, what, goal);
+    }
+    void judge(const std::string& name, const Shell& shell, const std::string& drone,
+               const std::function<Came()>& measured_after, const std::string& what, const std::string& goal = "fps")
+    {
         const bool fps = goal == "fps";
-        const auto line = Json::parse(shell("hivectl advise " + before.front() + " --json --time 1.5 --goal " + goal))
-                              .at("lines")
-                              .at(0);
+        const auto line =
+            Json::parse(shell("hivectl advise " + drone + " --json --time 1.5 --goal " + goal)).at("lines").at(0);
         const auto& proposals = line.at("proposals");
         const auto proposal =
             std::ranges::find(proposals, Json(what), [](const Json& each) { return each.at("what"); });
         REQUIRE_MESSAGE(proposal != proposals.end(), name, ": ", line.dump(2));
         shell(proposal->at("command").get<std::string>());
         std::this_thread::sleep_for(1s);  // until earlier events have passed
-        const auto came = measured(application, after);
+        const auto came = measured_after();
         const double predicted = proposal->at(fps ? "predicted_per_s" : "predicted_us").get<double>();
         const double was = line.at(fps ? "per_s" : "latency_us").get<double>(), is = fps ? came.per_s : came.age_us;
         const double error = std::abs(is / predicted - 1);
@@ -192,6 +200,18 @@ void judge_latency(Judge& judge)
     std::this_thread::sleep_for(500ms);
     judge.judge("latency: a lower rate", application, shell_of(swarm), {"worker"}, {"worker"}, "source_rate",
                 "latency");
+    application.set("source", {{"fps", 90}});
+    application.connect({"source", ""}, {"worker", ""},
+                        {.transfer = hive::Transfer::streaming, .group = {}, .lease = {}});
+    std::this_thread::sleep_for(500ms);
+    const auto after_queue = [&] {
+        const auto queued = [&] { return at_inputs(application.status("worker"), &hive::InputStatus::queued); };
+        REQUIRE(eventually([&] { return queued() <= 1; }, 20'000ms));
+        std::this_thread::sleep_for(200ms);
+        return judge.measured(application, {"worker"});
+    };
+    judge.judge("latency: the newest event instead of each", shell_of(swarm), "worker", after_queue, "transfer",
+                "latency");
 }
 
 void judge_encoding_here(Judge& judge)
@@ -239,6 +259,98 @@ void judge_network(Judge& judge)
     judge.judge("jpeg instead of raw over 40 Mbit/s", application, shell_of(to), {"viewer"}, {"viewer"}, "encoding");
 }
 
+/// Two machines of a lab get one processor each and see only that one, as containers do: their processes run on it, and
+/// read its times in /proc/stat.
+class OwnProcessors {
+public:
+    explicit OwnProcessors(std::filesystem::path directory) : directory_(std::move(directory))
+    {
+        std::ofstream(directory_ / "online") << "0\n";
+        for (std::size_t i = 0; i < files_.size(); ++i)
+            files_[i].open(file(i));
+        copy();
+        copying_ = std::jthread([this](const std::stop_token& ended) {
+            for (; !ended.stop_requested(); std::this_thread::sleep_for(20ms))
+                copy();
+        });
+    }
+    /// Moves a shell to a processor, with all that it starts in its own mount namespace.
+    [[nodiscard]] std::string enter(std::size_t processor) const
+    {
+        return bind(processor) + "taskset -pc " + std::to_string(processor) + " $$ > /dev/null; ";
+    }
+    /// The same for the processes that run in a network.
+    [[nodiscard]] std::string move(const std::string& network, std::size_t processor) const
+    {
+        return "for pid in $(ip netns pids " + network + "); do nsenter -t $pid -m /bin/sh -ec '" + bind(processor)
+               + "'; taskset -pc " + std::to_string(processor) + " $pid; done";
+    }
+
+private:
+    [[nodiscard]] std::filesystem::path file(std::size_t i) const { return directory_ / ("stat" + std::to_string(i)); }
+    [[nodiscard]] std::string bind(std::size_t i) const
+    {
+        return "mount --bind " + file(i).string() + " /proc/stat; mount --bind " + (directory_ / "online").string()
+               + " /sys/devices/system/cpu/online; ";
+    }
+    /// Lines of one length, so that no reader sees half of one.
+    void copy()
+    {
+        constexpr std::size_t length = 200;
+        std::ifstream now("/proc/stat");
+        for (std::string line; std::getline(now, line);)
+            for (std::size_t i = 0; i < files_.size(); ++i)
+                if (const auto name = "cpu" + std::to_string(i) + " "; line.starts_with(name)) {
+                    auto text = "cpu  " + line.substr(name.size());
+                    text.resize(length, ' ');
+                    files_[i].seekp(0);
+                    files_[i] << text << std::endl;
+                }
+    }
+
+    std::filesystem::path directory_;
+    std::array<std::ofstream, 2> files_;
+    std::jthread copying_;
+};
+
+/// Events per second that the receivers of a source have processed, on any machine.
+Came acknowledged(hive::Application& application)
+{
+    const auto count = [&] {
+        std::int64_t sum = 0;
+        for (const auto& output : application.status("source").outputs)
+            for (const auto& edge : output.edges)
+                sum += edge.group ? 0 : edge.events.of(hive::Fate::acknowledged);
+        return static_cast<double>(sum);
+    };
+    const auto begin = Clock::now();
+    const auto before = count();
+    std::this_thread::sleep_for(2s);
+    const auto events = count() - before;
+    return {.per_s = events / std::chrono::duration<double>(Clock::now() - begin).count()};
+}
+
+void judge_machine(Judge& judge)
+{
+    if (!possible(missing_for_lab()) || !possible(::sysconf(_SC_NPROCESSORS_ONLN) < 2 ? "two processors" : "")
+        || !quiet("another machine"))
+        return;
+    const Lab lab({"gpu1"});
+    lab.share_key();
+    OwnProcessors processors(lab.directory());
+    const auto moved = lab.laptop().run({"/bin/sh", "-ec", processors.move(lab.machine(0).net.name(), 1)});
+    REQUIRE_MESSAGE(moved.exit_code == 0, moved.err);
+    const Shell shell = [&](const std::string& line) { return lab.shell_done(processors.enter(0) + line); };
+    shell("hivectl start ticker --as source fps=300 --listen tcp://10.77.1.2");
+    shell("hivectl start sleeper --as worker burn_ms=20");
+    shell("hivectl start sleeper --as idle --on gpu1");
+    shell("hivectl connect source worker");
+    auto application = lab.laptop().application();
+    std::this_thread::sleep_for(300ms);
+    judge.judge(
+        "a worker on another machine", shell, "worker", [&] { return acknowledged(application); }, "machine");
+}
+
 }  // namespace
 
 TEST_CASE("advised: what is predicted comes within 10 % in nine of ten cases, and nothing is worse than before")
@@ -252,5 +364,6 @@ TEST_CASE("advised: what is predicted comes within 10 % in nine of ten cases, an
     judge_latency(judge);
     judge_encoding_here(judge);
     judge_network(judge);
+    judge_machine(judge);
     judge.check();
 }
