@@ -36,6 +36,14 @@ TEST_CASE("up: starts, sets and connects what the file says, and a second up fin
     CHECK(swarm.hivectl_done({"down", file}).empty());
 }
 
+TEST_CASE("up: a drone receives from more senders than it accepts requests at once")
+{
+    const Swarm swarm;
+    const File file(swarm, workers_file(40));
+    steps(swarm, file);
+    CHECK(edges(swarm) == 80);
+}
+
 TEST_CASE("up: of a changed file only the change is made, and nothing is started again")
 {
     const Swarm swarm;

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <map>
 #include <set>
 #include <string_view>
 
@@ -16,6 +17,7 @@ namespace hive {
 namespace {
 
 constexpr std::size_t asked_at_once = 256;
+constexpr int max_of_one = 16;          ///< requests to one drone at once: it refuses more than 32 of one peer
 constexpr std::size_t most_typed = 16;  ///< names that a person may have typed
 constexpr std::array<std::string_view, 2> left_by_crash{".state", ".crash"};
 
@@ -261,15 +263,20 @@ std::vector<Answer> Application::Core::ask_all(const std::vector<std::string>& d
     const auto places = places_or_errors(drones);
     std::vector<Reply> replies;
     std::vector<Answer> answers;
+    std::map<std::string_view, int> in_progress;  // by drone
     for (std::size_t i = 0; i < drones.size(); ++i) {
         while (replies.size() < std::min(drones.size(), i + asked_at_once)) {
             const auto next = replies.size();
+            if (in_progress[drones[next]] >= max_of_one)
+                break;
+            ++in_progress[drones[next]];
             if (const auto* place = std::get_if<Place>(&places[next]))
                 replies.push_back(send(*place, type, headers[next], {}, until ? until(next) : deadline()));
             else
                 replies.push_back(std::make_shared<std::optional<event::Outcome>>(std::get<Error>(places[next])));
         }
         auto outcome = wait_for(replies[i]);
+        --in_progress[drones[i]];
         if (const auto* error = std::get_if<Error>(&outcome))
             answers.push_back({drones[i], {}, named(drones[i], *error)});
         else
