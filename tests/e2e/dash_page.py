@@ -329,7 +329,7 @@ def advice(browser, dash):
     subprocess.run(command, shell=True, check=True, capture_output=True, timeout=60)
     page.until("!!document.getElementById('drone:worker-2')")
     hivectl("halt", "source")
-    page.until("document.getElementById('drone:worker').textContent.includes(' 0.0/s')")  # the last events are worked on
+    page.until("document.getElementById('drone:worker').textContent.includes(' 0.0/s')")  # until the last events are processed
     page.run("document.querySelector('.advice select').value = 'latency'")
     page.click(".advice button", "Advise")
     page.see(".advice p", "No events came.")

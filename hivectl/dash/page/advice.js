@@ -1,4 +1,4 @@
-// What would make events more frequent or younger at a drone: where their time goes, and commands that help.
+// Shows the result of hivectl advise for a drone: where the time of its events goes, and commands that help.
 "use strict";
 import { ask, command_line, duration, element, error_text, path, per_second, write } from "./parts.js";
 

@@ -119,8 +119,8 @@ export class Graph {
     this.mark();
   }
 
-  /// Of connections for which Graphviz was to make no room: those that lose events, then those with the highest rates. Rates
-  /// are rounded, so that labels do not come and go with each second.
+  /// If the drawing has no room for labels, connections that lose events get them, then those with the highest rates. Rates are
+  /// rounded, so that labels do not change places each second.
   label_busiest(edges) {
     const bare = edges.filter(edge => this.edges.get(edge.id)?.bare);
     const rank = edge => (edge.losing ? 1e9 : 0) + Math.round(edge.per_s ?? 0);
