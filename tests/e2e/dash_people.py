@@ -140,7 +140,7 @@ def machines(browser, dash, host):
     (key / "viewer.key").rename(key / "swarm.key")
     page.see("#notice", "This machine has a viewer's key: drones on other machines can be watched, not changed.")
     page.until("document.querySelector('#parameter-fps').disabled")
-    page.until("[...document.querySelectorAll('#panel .row button')].every(e => e.disabled)")
+    page.until("[...document.querySelectorAll('#panel > .row button')].every(e => e.disabled)")
     count = page.run("Number(document.querySelector('#panel canvas').dataset.images)")
     page.until(f"Number(document.querySelector('#panel canvas').dataset.images) > {count + 3}")
     answer = page.run("fetch('/orders', { method: 'POST', headers: { 'Content-Type': 'application/json' }, body: "
