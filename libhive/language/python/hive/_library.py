@@ -9,7 +9,7 @@ import os
 import sys
 import threading
 import weakref
-from typing import Any, Generator, Optional
+from typing import Any, Generator, Optional, TypeVar
 
 from ._errors import Error
 
@@ -319,6 +319,31 @@ class Owner:
     @_handle.setter
     def _handle(self, handle: Optional[ctypes.c_void_p]) -> None:
         self._kept = handle
+
+
+Closable = TypeVar("Closable", bound="Closing")
+
+
+class Closing:
+    """Closes at the end of ``with`` and ``async with``."""
+
+    def close(self) -> None:
+        """Ends its use.  Idempotent."""
+        raise NotImplementedError
+
+    def __enter__(self: Closable) -> Closable:
+        return self
+
+    def __exit__(self, *_: Any) -> None:
+        self.close()
+
+    async def __aenter__(self: Closable) -> Closable:
+        return self
+
+    async def __aexit__(self, *_: Any) -> None:
+        import asyncio
+
+        await asyncio.to_thread(self.close)
 
 
 def _codes() -> dict[str, int]:

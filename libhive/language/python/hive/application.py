@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Callable, Mapping, Optional, Sequence, Un
 from . import _library
 from ._errors import Error, SetError, require_text
 from ._finding import Finding, Names, answer_of, flat, is_many
-from ._library import as_json, ask_handle, ask_json, ask_list, ask_object, ask_text, encoded, lib, release
+from ._library import Closing, as_json, ask_handle, ask_json, ask_list, ask_object, ask_text, encoded, lib, release
 from .output import view_of
 from .collector import Collector, MatchedCollector, Results, Seconds, milliseconds
 
@@ -26,25 +26,19 @@ def _connection(
     lease: Optional[Seconds] = None,
     encoding: str = "",
 ) -> dict[str, Any]:
-    options: dict[str, Any] = {}
-    if stream:
-        options["transfer"] = "stream"
-    if notify:
-        options["delivery"] = "notify"
-    if window is not None:
-        options["window"] = window
-    if group:
-        options["group"] = group
-    if first_frame:
-        options["first_frame"] = True
-    if lease is not None:
-        options["lease_ms"] = milliseconds(lease)
-    if encoding:
-        options["encoding"] = encoding
-    return options
+    options = {
+        "transfer": "stream" if stream else None,
+        "delivery": "notify" if notify else None,
+        "window": window,
+        "group": group or None,
+        "first_frame": first_frame or None,
+        "lease_ms": None if lease is None else milliseconds(lease),
+        "encoding": encoding or None,
+    }
+    return {name: value for name, value in options.items() if value is not None}
 
 
-class Application(Finding):
+class Application(Finding, Closing):
     """An application in the swarm.  Calls return when they are confirmed; after ``timeout`` seconds they raise
     :class:`hive.Error` "timeout".  A port is "camera.image", or "camera" if only one port fits.  From any thread; a
     closed application raises "stopped".
@@ -83,20 +77,6 @@ class Application(Finding):
             except Error:
                 pass
             release(handle)
-
-    def __enter__(self) -> Application:
-        return self
-
-    def __exit__(self, *_: Any) -> None:
-        self.close()
-
-    async def __aenter__(self) -> Application:
-        return self
-
-    async def __aexit__(self, *_: Any) -> None:
-        import asyncio
-
-        await asyncio.to_thread(self.close)
 
     def __repr__(self) -> str:
         try:

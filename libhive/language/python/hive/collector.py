@@ -5,11 +5,11 @@ from __future__ import annotations
 import ctypes
 import operator
 import time
-from typing import Any, AsyncIterator, Callable, Iterator, NamedTuple, Optional, Sequence
+from typing import Any, Callable, Generic, Iterator, NamedTuple, Optional, Sequence, Tuple, TypeVar
 
 from . import _library
 from ._errors import Error
-from ._library import Owner, ask_list, ask_object, lib, release
+from ._library import Closing, Owner, ask_list, ask_object, lib, release
 from .event import Event
 
 Seconds = float
@@ -67,7 +67,39 @@ class _Silence:
             logging.getLogger("hive").warning("no events: %s", text)
 
 
-class _Collecting(Owner):
+Item = TypeVar("Item")
+Self = TypeVar("Self", bound="_Iterated[Any]")
+
+
+class _Iterated(Generic[Item]):
+    """Iterates with ``for`` and ``async for``, until there is no following item."""
+
+    def _following(self) -> Optional[Item]:
+        raise NotImplementedError
+
+    async def _following_async(self) -> Optional[Item]:
+        raise NotImplementedError
+
+    def __iter__(self: Self) -> Self:
+        return self
+
+    def __next__(self) -> Item:
+        item = self._following()
+        if item is None:
+            raise StopIteration
+        return item
+
+    def __aiter__(self: Self) -> Self:
+        return self
+
+    async def __anext__(self) -> Item:
+        item = await self._following_async()
+        if item is None:
+            raise StopAsyncIteration
+        return item
+
+
+class _Collecting(Owner, Closing, _Iterated[Item]):
     """What both kinds of collectors have: waiting in slices, so that Ctrl-C is seen, and asyncio."""
 
     def __init__(
@@ -84,12 +116,18 @@ class _Collecting(Owner):
     def __del__(self) -> None:
         release(self._kept)
 
-    def _take(self, seconds: float) -> Any:
+    def _following(self) -> Optional[Item]:
+        return self._next(None)
+
+    async def _following_async(self) -> Optional[Item]:
+        return await self._next_async()
+
+    def _take(self, seconds: float) -> Optional[Item]:
         raise NotImplementedError
 
-    def _hand_out(self, taken: Any) -> Any:
+    def _hand_out(self, taken: Any) -> Optional[Item]:
         self._last = () if taken is None else (taken,) if isinstance(taken, Event) else taken
-        return taken
+        return taken  # type: ignore[no-any-return]
 
     def _go_on(self) -> None:
         """Asking for the next event releases the last one."""
@@ -97,7 +135,7 @@ class _Collecting(Owner):
             event._left()
         self._last = ()
 
-    def _next(self, timeout: Optional[Seconds]) -> Any:
+    def _next(self, timeout: Optional[Seconds]) -> Optional[Item]:
         self._go_on()
         end = None if timeout is None else time.monotonic() + timeout
         pending, self._pending = self._pending, None
@@ -113,7 +151,7 @@ class _Collecting(Owner):
             if silence.due():
                 silence.say()
 
-    async def _next_async(self, timeout: Optional[Seconds] = None) -> Any:
+    async def _next_async(self, timeout: Optional[Seconds] = None) -> Optional[Item]:
         import asyncio
         from concurrent.futures import ThreadPoolExecutor
 
@@ -173,24 +211,10 @@ class _Collecting(Owner):
         if executor is not None:
             executor.shutdown(wait=False)
 
-    def __exit__(self, *_: Any) -> None:
-        self.close()
 
-    async def __aexit__(self, *_: Any) -> None:
-        import asyncio
-
-        await asyncio.to_thread(self.close)
-
-
-class Collector(_Collecting):
+class Collector(_Collecting[Event]):
     """Receives events; connections that end are made again by themselves.  Iterate, with ``for`` or ``async for``:
     the event of one round is done when the next one is asked for (see :meth:`Event.hold`)."""
-
-    def __enter__(self) -> Collector:
-        return self
-
-    async def __aenter__(self) -> Collector:
-        return self
 
     @property
     def counters(self) -> Counts:
@@ -198,27 +222,8 @@ class Collector(_Collecting):
         return Counts(*self._numbers(Counts._fields))
 
     def next(self, timeout: Optional[Seconds] = None) -> Optional[Event]:
-        """The next event; None when none came within ``timeout`` (None: waits for ever), or all has ended."""
-        event: Optional[Event] = self._next(timeout)
-        return event
-
-    def __iter__(self) -> Iterator[Event]:
-        return self
-
-    def __next__(self) -> Event:
-        event: Optional[Event] = self._next(None)
-        if event is None:
-            raise StopIteration
-        return event
-
-    def __aiter__(self) -> AsyncIterator[Event]:
-        return self
-
-    async def __anext__(self) -> Event:
-        event: Optional[Event] = await self._next_async()
-        if event is None:
-            raise StopAsyncIteration
-        return event
+        """The next event; None if none came within ``timeout`` (None: waits forever), or everything has ended."""
+        return self._next(timeout)
 
     def _take(self, seconds: float) -> Optional[Event]:
         place = ctypes.c_void_p()
@@ -226,14 +231,8 @@ class Collector(_Collecting):
         return Event(place) if place.value else None
 
 
-class MatchedCollector(_Collecting):
+class MatchedCollector(_Collecting[Tuple[Event, ...]]):
     """Receives sets of matching events: tuples of one event of each output, in their order."""
-
-    def __enter__(self) -> MatchedCollector:
-        return self
-
-    async def __aenter__(self) -> MatchedCollector:
-        return self
 
     @property
     def counters(self) -> SetCounts:
@@ -242,26 +241,7 @@ class MatchedCollector(_Collecting):
 
     def next(self, timeout: Optional[Seconds] = None) -> Optional[tuple[Event, ...]]:
         """The next set; None if none was complete within ``timeout`` (None: waits forever), or everything has ended."""
-        events: Optional[tuple[Event, ...]] = self._next(timeout)
-        return events
-
-    def __iter__(self) -> Iterator[tuple[Event, ...]]:
-        return self
-
-    def __next__(self) -> tuple[Event, ...]:
-        events: Optional[tuple[Event, ...]] = self._next(None)
-        if events is None:
-            raise StopIteration
-        return events
-
-    def __aiter__(self) -> AsyncIterator[tuple[Event, ...]]:
-        return self
-
-    async def __anext__(self) -> tuple[Event, ...]:
-        events: Optional[tuple[Event, ...]] = await self._next_async()
-        if events is None:
-            raise StopAsyncIteration
-        return events
+        return self._next(timeout)
 
     def _take(self, seconds: float) -> Optional[tuple[Event, ...]]:
         places = (ctypes.c_void_p * _MOST_IN_SET)()
@@ -273,7 +253,7 @@ class MatchedCollector(_Collecting):
         return events or None
 
 
-class Results:
+class Results(Closing, _Iterated[Event]):
     """The results of drones, one after the other; see :meth:`Application.results`.  Iterate, with ``for`` or ``async
     for``."""
 
@@ -292,53 +272,33 @@ class Results:
         """Stops receiving, as the end of the loop does."""
         self._collector.close()
 
-    def __enter__(self) -> Results:
-        return self
-
-    def __exit__(self, *_: Any) -> None:
-        self.close()
-
-    async def __aenter__(self) -> Results:
-        return self
-
-    async def __aexit__(self, *_: Any) -> None:
-        await self._collector.__aexit__()
-
-    def __iter__(self) -> Iterator[Event]:
-        return self
-
-    def __next__(self) -> Event:
+    def _following(self) -> Optional[Event]:
         event = None if self._left == 0 else self._collector.next(self._timeout)
         if event is None:
-            self._end(self._collector._why)
-            raise StopIteration
+            self._end()
         return self._counted(event)
 
-    def __aiter__(self) -> AsyncIterator[Event]:
-        return self
-
-    async def __anext__(self) -> Event:
+    async def _following_async(self) -> Optional[Event]:
         import asyncio
 
-        event: Optional[Event] = None if self._left == 0 else await self._collector._next_async(self._timeout)
+        event = None if self._left == 0 else await self._collector._next_async(self._timeout)
         if event is None:
-            await asyncio.to_thread(self._end, self._collector._why)
-            raise StopAsyncIteration
+            await asyncio.to_thread(self._end)
         return self._counted(event)
 
-    def _counted(self, event: Event) -> Event:
-        if self._left is not None:
+    def _counted(self, event: Optional[Event]) -> Optional[Event]:
+        if self._left:
             self._left -= 1
         return event
 
-    def _end(self, why: Callable[[], str]) -> None:
+    def _end(self) -> None:
         """Raises what ends the loop before its time."""
         if self._left == 0:
             return self.close()
         lacking = self._collector.ended
         if lacking is None:
             text = f"no result of {self._names} within {self._timeout} s"
-            raise Error("timeout", text, why() or "see what is connected: hivectl connections")
+            raise Error("timeout", text, self._collector._why() or "see what is connected: hivectl connections")
         self._left = 0
         self.close()
         if lacking:

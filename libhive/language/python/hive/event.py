@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import json
-from typing import TYPE_CHECKING, Any, NamedTuple, Optional
+from typing import TYPE_CHECKING, Any, Callable, NamedTuple, Optional
 
 from . import _images
 from ._errors import Error
@@ -55,6 +55,14 @@ class _Memory:
         array = (ctypes.c_ubyte * self.size).from_address(self.address)
         array._memory = self  # type: ignore[attr-defined]
         return memoryview(array).cast("B")
+
+
+def _field(key: str, help: str, of: Callable[[Any], Any] = lambda value: value) -> Any:
+    return property(lambda event: of(event._info[key]), doc=help)
+
+
+def _seconds(us: int) -> float:
+    return us / 1e6
 
 
 class Event:
@@ -129,81 +137,30 @@ class Event:
         image = _images.decode(self.type, self.header, self.body)
         return image if bits is None else _images.as_eight_bits(image)
 
-    @property
-    def source(self) -> str:
-        """The drone that made the capture."""
-        return str(self._info["source"])
-
-    @property
-    def epoch(self) -> int:
-        """The run of the source: larger after each restart."""
-        return int(self._info["epoch"])
-
-    @property
-    def sequence(self) -> int:
-        """The number of the capture in that epoch, from 1."""
-        return int(self._info["sequence"])
-
-    @property
-    def captured(self) -> float:
-        """The time of the capture, seconds since 1970; 0.0: unknown."""
-        return float(self._info["captured_us"] / 1e6)
-
-    @property
-    def age(self) -> float:
-        """Seconds from the capture to the first read of this attribute; 0.0: unknown."""
-        return float(self._info["age_us"] / 1e6)
-
-    @property
-    def lossless(self) -> bool:
-        """True if it is from a source on demand, so that no receiver skips it."""
-        return bool(self._info["lossless"])
-
-    @property
-    def part(self) -> int:
-        """The number of the event among those emitted on one output for one input, from 0."""
-        return int(self._info["part"])
-
-    @property
-    def sender(self) -> str:
-        """The drone that emitted it."""
-        return str(self._info["sender"])
-
-    @property
-    def kind(self) -> str:
-        """The kind of the sender: "face"."""
-        return str(self._info["kind"])
-
-    @property
-    def output(self) -> str:
-        """The output of the sender."""
-        return str(self._info["output"])
-
-    @property
-    def input(self) -> str:
-        """The input where it arrived."""
-        return str(self._info["input"])
-
-    @property
-    def type(self) -> str:
-        """The media type of the body: "image/jpeg"."""
-        return str(self._info["type"])
-
-    @property
-    def size(self) -> Optional[int]:
-        """Size of the body at the sender in bytes, also in a notification; None: no body was made."""
-        size: Optional[int] = self._info["size"]
-        return size
-
-    @property
-    def hops(self) -> list[Hop]:
-        """The drones that it passed, and the time that each took."""
-        return [Hop(**hop) for hop in self._info["hops"]]
-
-    @property
-    def shares(self) -> list[Share]:
-        """The shared work that it results from, outermost first."""
-        return [Share(**share) for share in self._info["shares"]]
+    source: str = _field("source", "The drone that made the capture.")
+    epoch: int = _field("epoch", "The run of the source: larger after each restart.")
+    sequence: int = _field("sequence", "The number of the capture in that epoch, from 1.")
+    captured: float = _field("captured_us", "The time of the capture, seconds since 1970; 0.0: unknown.", _seconds)
+    age: float = _field(
+        "age_us", "Seconds from the capture to the first read of this attribute; 0.0: unknown.", _seconds
+    )
+    lossless: bool = _field("lossless", "True if it is from a source on demand, so that no receiver skips it.")
+    part: int = _field("part", "The number of the event among those emitted on one output for one input, from 0.")
+    sender: str = _field("sender", "The drone that emitted it.")
+    kind: str = _field("kind", 'The kind of the sender: "face".')
+    output: str = _field("output", "The output of the sender.")
+    input: str = _field("input", "The input where it arrived.")
+    type: str = _field("type", 'The media type of the body: "image/jpeg".')
+    size: Optional[int] = _field(
+        "size",
+        "Size of the body at the sender in bytes, also in a notification; None: no body was made.",
+    )
+    hops: list[Hop] = _field(
+        "hops", "The drones that it passed, and the time that each took.", lambda hops: [Hop(**hop) for hop in hops]
+    )
+    shares: list[Share] = _field(
+        "shares", "The shared work that it results from, outermost first.", lambda shares: [Share(**share) for share in shares]
+    )
 
     def done(self) -> None:
         """Ends its use: its sender may send the next one."""

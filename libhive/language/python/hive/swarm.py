@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Callable, Mapping, NamedTuple, Optional, 
 
 from . import _library
 from ._errors import Error, error_of
-from ._library import Owner, as_json, ask, ask_handle, ask_list, code_of, encoded, lib, release
+from ._library import Closing, Owner, as_json, ask, ask_handle, ask_list, code_of, encoded, lib, release
 from .collector import Seconds, milliseconds
 
 if TYPE_CHECKING:
@@ -84,7 +84,7 @@ class ExportedFile(NamedTuple):
         return path
 
 
-class Swarm(Owner):
+class Swarm(Owner, Closing):
     """The drones, parameters and connections of a swarm file (libhive/docs/swarm-file.md).
 
     Drone programs are found in $HIVE_DRONE_PATH and $PATH.  Calls that need a valid file raise :class:`SwarmFileError`
@@ -120,12 +120,6 @@ class Swarm(Owner):
 
     def __del__(self) -> None:
         release(self._kept)
-
-    def __enter__(self) -> Swarm:
-        return self
-
-    def __exit__(self, *_: Any) -> None:
-        self.close()
 
     def __repr__(self) -> str:
         return f"<hive.Swarm {self.name}>"
