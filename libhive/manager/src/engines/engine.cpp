@@ -54,6 +54,34 @@ std::unique_ptr<Engine> make_engine(const SwarmEngine& engine, const std::string
     throw Error(Errc::unsupported, "there is no engine " + engine.name + " for " + host);
 }
 
+std::vector<std::string> with_order(std::vector<std::string> command, const SwarmDrone& drone)
+{
+    const auto program = arguments_of(drone);
+    std::copy_if(program.begin() + 2, program.end(), std::back_inserter(command),  // after --name NAME
+                 [](const std::string& word) { return word != "--set"; });
+    return command;
+}
+
+std::string restart_word(Restart restart, const std::string& never)
+{
+    return restart == Restart::always ? "always" : restart == Restart::on_failure ? "on-failure" : never;
+}
+
+std::string doubled(const std::string& text, char character)
+{
+    std::string result;
+    for (const char c : text)
+        result += std::string(c == character ? 2 : 1, c);
+    return result;
+}
+
+std::string hex_escape(char byte)
+{
+    constexpr std::string_view digits = "0123456789abcdef";
+    const auto number = static_cast<unsigned char>(byte);
+    return {'\\', 'x', digits[number / 16], digits[number % 16]};
+}
+
 SwarmDrone as_started(const SwarmPlan& plan, SwarmDrone drone)
 {
     if (drone.swarm.empty())  // else another swarm owned it before the restart, and still does

@@ -73,6 +73,16 @@ std::string subject_of(const SwarmDrone& drone);
 /// The arguments of the drone's program.
 std::vector<std::string> arguments_of(const SwarmDrone& drone);
 
+/// Adds to a hivectl command those options of the drone's program that hivectl has too.
+std::vector<std::string> with_order(std::vector<std::string> command, const SwarmDrone& drone);
+
+/// "on-failure", "always", or the word for never.
+std::string restart_word(Restart restart, const std::string& never = "no");
+/// The text with this character twice wherever it stands, which is how many languages escape it.
+std::string doubled(const std::string& text, char character);
+/// "\x0a" for a line end, as bash and systemd read it.
+std::string hex_escape(char byte);
+
 /// The error with this exit code, among those of a drone that was not ready yet.
 Errc errc_of_exit(int code);
 /// The same from a status as of waitpid.
@@ -84,7 +94,7 @@ Error not_ready(const std::string& drone, int status, const std::string& last_wo
 
 std::unique_ptr<Engine> make_local_engine(const std::filesystem::path& home,
                                           BackgroundProcess::Life life = BackgroundProcess::Life::own);
-/// Units of the user's systemd.
+/// Transient units of the user's systemd.
 std::unique_ptr<Engine> make_systemd_engine(const std::filesystem::path& home);
 /// @param settings  {"options": [further ones of srun]}
 /// @param node      its name in Slurm

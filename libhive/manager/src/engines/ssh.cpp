@@ -69,24 +69,14 @@ std::chrono::milliseconds time_until(Engine::Clock::time_point until)
         std::max(until - Engine::Clock::now(), Engine::Clock::duration(0)));
 }
 
-/// The hivectl command, with those options of a drone's program that hivectl has too.
-std::vector<std::string> words_of(std::vector<std::string> words, const SwarmDrone& drone)
-{
-    const auto program = arguments_of(drone);
-    for (std::size_t i = 2; i < program.size(); ++i)  // after --name NAME
-        if (program[i] != "--set")
-            words.push_back(program[i]);
-    return words;
-}
-
 /// Adds a listening address, unless the plan has one.
 std::vector<std::string> words_to_start(SwarmDrone drone, Engine::Clock::time_point until)
 {
     if (drone.listen.empty())
         drone.listen = "tcp://0.0.0.0";
-    return words_of({"start", drone.kind, "--as", drone.name, "--json", "--if-missing", "--timeout",
-                     std::to_string(seconds_until(until))},
-                    drone);
+    return with_order({"start", drone.kind, "--as", drone.name, "--json", "--if-missing", "--timeout",
+                       std::to_string(seconds_until(until))},
+                      drone);
 }
 
 std::vector<std::string> words_to_replace(SwarmDrone drone)
@@ -99,7 +89,7 @@ std::vector<std::string> words_to_replace(SwarmDrone drone)
     if (drone.force)
         words.emplace_back("--force");
     drone.take_over_s = 0;
-    return words_of(std::move(words), drone);
+    return with_order(std::move(words), drone);
 }
 
 bool SshEngine::may_start() const

@@ -1,4 +1,4 @@
-// Runs the drones of this machine as units of the user's systemd, which restarts crashed ones.
+// Runs the drones of this machine as transient units of the user's systemd, which restarts crashed ones.
 #include "engine.hpp"
 
 #include "../last_line.hpp"
@@ -6,15 +6,14 @@
 #include "systemd_unit.hpp"
 
 #include <hive/event/home.hpp>
-#include <hive/process.hpp>
 #include <hive/program.hpp>
 
 #include <algorithm>
 #include <cstdlib>
-#include <fstream>
 #include <deque>
 #include <map>
 #include <sstream>
+#include <utility>
 
 namespace hive {
 namespace {
@@ -23,7 +22,8 @@ using namespace std::chrono_literals;
 
 constexpr std::ptrdiff_t units_at_once = 32;  ///< started and not yet reachable
 constexpr std::size_t journal_lines = 15;
-constexpr auto patience_of_systemd = 30s;  ///< per call of systemctl
+constexpr auto start_timeout = 310s;     ///< of systemd-run, which waits for TimeoutStartSec
+constexpr auto systemctl_timeout = 30s;  ///< per call
 constexpr auto pause_between_looks = 200ms;
 
 class SystemdEngine final : public Engine {
@@ -41,52 +41,49 @@ public:
 
 private:
     struct Unit {
-        LogFromNow log;
-        bool met = false;  ///< reported
-    };
-    using Words = std::vector<std::string>;
+        explicit Unit(LogFromNow from_now) : log(std::move(from_now)) {}
 
-    void write_next(std::vector<Report>& reports);
-    void require_free(const std::string& drone) const;
-    void write(const SwarmDrone& drone);
-    void call(std::vector<Report>& reports);
-    void look(std::vector<Report>& reports);
-    void hear(const std::map<std::string, std::string>& said, std::vector<Report>& reports);
-    void fail_all(const Error& error, std::vector<Report>& reports);
-    [[nodiscard]] Words names_not_met() const;
+        LogFromNow log;
+        std::optional<RunningCommand> start;  ///< exits when the drone is ready or has failed
+        bool met = false;                     ///< reported
+        Clock::time_point next_look{};
+    };
+
+    void start_next(std::vector<Report>& reports);
+    void start(const SwarmDrone& drone);
+    [[nodiscard]] std::string description(const std::string& drone) const;
+    [[nodiscard]] std::optional<Report> look(const std::string& drone, Unit& unit) const;
+    [[nodiscard]] std::optional<Error> failure(const std::string& drone, const Unit& unit, bool at_start) const;
 
     event::Home home_;
     std::deque<SwarmDrone> waiting_;
     std::map<std::string, Unit> units_;
-    std::deque<Words> calls_;  ///< pending
-    std::optional<RunningCommand> calling_, asking_;
-    Clock::time_point next_look_{};
 };
 
-std::vector<std::string> systemctl(std::vector<std::string> words)
+/// @param words  the verb and its options; the units of the drones follow
+CommandResult systemctl(std::vector<std::string> words, const std::vector<std::string>& drones)
 {
     words.insert(words.begin(), {"systemctl", "--user"});
-    return words;
+    std::ranges::transform(drones, std::back_inserter(words), unit_name);
+    return run_command(words, systemctl_timeout);
 }
 
-std::filesystem::path unit_directory()
-{
-    const auto variable = [](const char* name) { return std::string(std::getenv(name) ? std::getenv(name) : ""); };
-    const auto config = variable("XDG_CONFIG_HOME");
-    return (config.empty() ? std::filesystem::path(variable("HOME")) / ".config" : std::filesystem::path(config))
-           / "systemd" / "user";
-}
+using Properties = std::map<std::string, std::string>;
 
-/// "KEY=VALUE" lines, one block per unit, separated by empty lines.
-std::vector<std::map<std::string, std::string>> properties_in(const std::string& text)
+/// What systemd knows, by unit: it prints KEY=VALUE lines, and an empty line between two units.
+std::map<std::string, Properties> units_of(const std::vector<std::string>& drones)
 {
-    std::vector<std::map<std::string, std::string>> units(1);
-    std::istringstream lines(text);
+    std::map<std::string, Properties> units;
+    std::istringstream lines(
+        systemctl({"show", "--property=Id,Description,ActiveState,ExecMainCode,ExecMainStatus"}, drones).out + "\n");
+    Properties unit;
     for (std::string line; std::getline(lines, line);)
-        if (line.empty())
-            units.emplace_back();
-        else if (const auto equals = line.find('='); equals != std::string::npos)
-            units.back()[line.substr(0, equals)] = line.substr(equals + 1);
+        if (const auto equals = line.find('='); equals != std::string::npos) {
+            unit[line.substr(0, equals)] = line.substr(equals + 1);
+        } else {
+            const auto id = unit["Id"];
+            units[id] = std::exchange(unit, {});
+        }
     return units;
 }
 
@@ -94,15 +91,11 @@ std::vector<Engine::Report> SystemdEngine::poll()
 {
     std::vector<Report> reports;
     for (auto& [name, unit] : units_)
-        if (!unit.met && home_.alive(name)) {
+        if (auto report = unit.met ? std::nullopt : look(name, unit)) {
             unit.met = true;
-            reports.push_back({.drone = name,
-                               .place = {.drone = name, .host = Place::here, .address = to_text(home_.address(name))}});
+            reports.push_back(*std::move(report));
         }
-    call(reports);
-    if (!calling_ && calls_.empty())
-        look(reports);
-    write_next(reports);
+    start_next(reports);
     return reports;
 }
 
@@ -115,50 +108,48 @@ void SystemdEngine::look_again(const std::string& drone, const Error&)
 std::vector<int> SystemdEngine::descriptors()
 {
     std::vector<int> all;
-    for (const auto* command : {&calling_, &asking_})
-        if (*command)
-            std::ranges::copy((*command)->descriptors(), std::back_inserter(all));
+    for (const auto& [name, unit] : units_)
+        if (unit.start && !unit.met)
+            std::ranges::copy(unit.start->descriptors(), std::back_inserter(all));
     return all;
 }
 
 /// A few units at a time, so that the first ones are ready soon.
-void SystemdEngine::write_next(std::vector<Report>& reports)
+void SystemdEngine::start_next(std::vector<Report>& reports)
 {
-    Words started{"start", "--no-block"};
-    while (!waiting_.empty() && std::ssize(names_not_met()) < units_at_once) {
-        const auto drone = std::move(waiting_.front());
-        waiting_.pop_front();
-        try {
-            if (home_.alive(drone.name))
-                throw Error(Errc::name_taken, drone.name + " runs already");
-            require_free(drone.name);
-            write(drone);
-            started.push_back(unit_name(drone.name));
-        } catch (const Error& error) {
-            reports.push_back({.drone = drone.name, .error = error});
-        }
+    auto places = units_at_once - std::ranges::count_if(units_, [](const auto& entry) { return !entry.second.met; });
+    std::vector<std::string> next;
+    for (std::size_t i = 0; i < waiting_.size() && std::ssize(next) < places; ++i)
+        next.push_back(waiting_[i].name);
+    std::optional<Error> unusable;
+    try {
+        if (!next.empty())
+            systemctl({"reset-failed"}, next);  // failed units of an earlier run are still loaded
+    } catch (const Error& error) {
+        unusable = error;
     }
-    if (started.size() > 2)
-        calls_.insert(calls_.end(), {{"daemon-reload"}, started});
+    for (; !waiting_.empty() && places > 0; waiting_.pop_front(), --places)
+        try {
+            if (unusable)
+                throw Error(*unusable);
+            start(waiting_.front());
+        } catch (const Error& error) {
+            reports.push_back({.drone = waiting_.front().name, .error = error});
+        }
 }
 
-/// A user's units are shared by all homes.
-void SystemdEngine::require_free(const std::string& drone) const
+/// Distinguishes our units from those of another home: all homes of a user share one systemd.
+std::string SystemdEngine::description(const std::string& drone) const
 {
-    const auto unit = unit_directory() / unit_name(drone);
-    std::ostringstream text;
-    text << std::ifstream(unit).rdbuf();
-    const auto own = environment_line("HIVE_HOME=" + home_.directory().string());
-    if (text.str().empty() || text.str().find(own) != std::string::npos)
-        return;
-    const auto state = run_command(systemctl({"is-active", unit_name(drone)}), patience_of_systemd).out;
-    if (!state.starts_with("inactive") && !state.starts_with("failed") && !state.starts_with("unknown"))
-        throw Error(Errc::refused, unit_name(drone) + " runs already, of another home",
-                    "stop that first: hivectl down with its HIVE_HOME, or systemctl --user stop " + unit_name(drone));
+    return "Hive drone " + drone + " of " + home_.directory().string();
 }
 
-void SystemdEngine::write(const SwarmDrone& drone)
+void SystemdEngine::start(const SwarmDrone& drone)
 {
+    if (home_.alive(drone.name))
+        throw Error(Errc::name_taken, drone.name + " runs already");
+    if (drone.restart == Restart::always)
+        throw restart_refused(drone.name);
     auto command = command_of(drone.kind);
     std::ranges::move(arguments_of(drone), std::back_inserter(command.arguments));
     command.environment.push_back("HIVE_HOME=" + home_.directory().string());
@@ -166,120 +157,88 @@ void SystemdEngine::write(const SwarmDrone& drone)
         if (const char* const value = std::getenv(variable.c_str()))
             command.environment.push_back(variable + "=" + value);
     LogFromNow from_now(home_.path(drone.name, ".log"));
-    const auto text = unit_text(drone, command, from_now.file());
-    std::error_code problem;
-    std::filesystem::create_directories(unit_directory(), problem);
-    event::replace_file(unit_directory() / unit_name(drone.name), text);
-    units_.insert_or_assign(drone.name, Unit{.log = std::move(from_now)});
+
+    auto properties = unit_properties(drone);
+    for (const std::string stream : {"StandardOutput", "StandardError"})
+        properties.push_back(stream + "=append:" + from_now.file().string());
+    properties.insert(properties.end(), {"StartLimitIntervalSec=60", "StartLimitBurst=5", "RestartSec=1",
+                                         "Restart=" + restart_word(drone.restart)});
+    std::vector<std::string> words{"systemd-run", "--user", "--unit=" + unit_name(drone.name),
+                                   "--description=" + description(drone.name)};
+    for (const auto& property : properties)
+        words.push_back("--property=" + property);
+    for (const auto& variable : command.environment)
+        words.push_back("--setenv=" + variable);
+    words.insert(words.end(), {"--", command.program.string()});
+    for (const auto& argument : command.arguments)
+        words.push_back(doubled(argument, '$'));  // a $ would start a variable
+    units_.erase(drone.name);
+    units_.try_emplace(drone.name, std::move(from_now)).first->second.start.emplace(words, start_timeout);
 }
 
-/// Runs the calls one after the other; if one fails, all units that are not reachable yet fail.
-void SystemdEngine::call(std::vector<Report>& reports)
+std::optional<Engine::Report> SystemdEngine::look(const std::string& drone, Unit& unit) const
 try {
-    if (!calling_ && !calls_.empty()) {
-        calling_.emplace(systemctl(calls_.front()), patience_of_systemd);
-        calls_.pop_front();
-    }
-    const auto result = calling_ ? calling_->poll() : std::nullopt;
-    if (!result)
-        return;
-    calling_.reset();
-    if (result->exit_code != 0)
-        throw Error(Errc::failed, "systemctl --user: " + last_line(result->err));
+    const auto result = unit.start ? unit.start->poll() : std::nullopt;
+    if (result)
+        unit.start.reset();
+    if (result && result->exit_code != 0)
+        throw failure(drone, unit, true).value_or(Error(Errc::failed, "systemd-run: " + last_line(result->err)));
+    if (home_.alive(drone))
+        return Report{.drone = drone,
+                      .place = {.drone = drone, .host = Place::here, .address = to_text(home_.address(drone))}};
+    if (unit.start || Clock::now() < unit.next_look)
+        return std::nullopt;
+    unit.next_look = Clock::now() + pause_between_looks;
+    const auto error = failure(drone, unit, false);
+    return error ? std::optional(Report{.drone = drone, .error = error}) : std::nullopt;
 } catch (const Error& error) {
-    fail_all(error, reports);
+    return Report{.drone = drone, .error = error};
 }
 
-void SystemdEngine::fail_all(const Error& error, std::vector<Report>& reports)
+/// Why the unit does not run our drone, as far as systemd knows. A crash is final at the start only: later, systemd may
+/// still restart it.
+std::optional<Error> SystemdEngine::failure(const std::string& drone, const Unit& unit, bool at_start) const
 {
-    calls_.clear();
-    for (const auto& name : names_not_met()) {
-        units_.at(name).met = true;
-        reports.push_back({.drone = name, .error = error});
-    }
-}
-
-/// Finds starting units on which systemd has given up.
-void SystemdEngine::look(std::vector<Report>& reports)
-try {
-    if (!asking_ && Clock::now() >= next_look_) {
-        Words words{"show", "--property=Id,ActiveState,ExecMainCode,ExecMainStatus"};
-        for (const auto& name : names_not_met())
-            words.push_back(unit_name(name));
-        if (words.size() > 2)
-            asking_.emplace(systemctl(words), patience_of_systemd);
-        next_look_ = Clock::now() + pause_between_looks;
-    }
-    const auto result = asking_ ? asking_->poll() : std::nullopt;
-    if (!result)
-        return;
-    asking_.reset();
-    for (const auto& said : properties_in(result->out))
-        hear(said, reports);
-} catch (const Error& error) {
-    fail_all(error, reports);
-}
-
-void SystemdEngine::hear(const std::map<std::string, std::string>& said, std::vector<Report>& reports)
-{
-    const auto value = [&](const char* key) { return said.contains(key) ? said.at(key) : std::string(); };
-    const auto number = [&](const char* key) { return std::atoi(value(key).c_str()); };
-    const auto found =
-        std::ranges::find_if(units_, [&](const auto& entry) { return unit_name(entry.first) == value("Id"); });
-    const bool over = value("ActiveState") == "failed"
-                      || (value("ActiveState") == "inactive" && number("ExecMainCode") != 0);  // 0: not started yet
-    if (found == units_.end() || found->second.met || !over)
-        return;
+    auto known = units_of({drone})[unit_name(drone)];
+    const bool loaded = known["ActiveState"] == "active" || known["ActiveState"] == "activating";
+    if (loaded && known["Description"] != description(drone))
+        return Error(Errc::refused, unit_name(drone) + " runs already, of another home",
+                     "stop that first: hivectl down with its HIVE_HOME, or systemctl --user stop " + unit_name(drone));
+    const int code = std::atoi(known["ExecMainCode"].c_str()), value = std::atoi(known["ExecMainStatus"].c_str());
+    if (code == 0 || (loaded && !at_start))
+        return std::nullopt;
     constexpr int exited = 1;  // CLD_EXITED; otherwise the status is a signal
-    const int status = number("ExecMainCode") == exited ? number("ExecMainStatus") << 8 : number("ExecMainStatus");
-    auto& [name, unit] = *found;
-    unit.met = true;
-    reports.push_back({.drone = name, .error = not_ready(name, status, unit.log.last_lines(journal_lines))});
+    return not_ready(drone, code == exited ? value << 8 : value, unit.log.last_lines(journal_lines));
 }
 
-std::vector<std::string> SystemdEngine::names_not_met() const
-{
-    Words names;
-    for (const auto& [name, unit] : units_)
-        if (!unit.met)
-            names.push_back(name);
-    return names;
-}
-
-/// Removes their units, too.
+/// Leaves units of another home alone.
 std::vector<SwarmFailure> SystemdEngine::stop(const std::vector<std::string>& drones, Clock::time_point)
 {
-    std::erase_if(waiting_,
-                  [&](const SwarmDrone& drone) { return std::ranges::find(drones, drone.name) != drones.end(); });
-    calls_.clear();
-    calling_.reset();
-    Words words{"stop"}, ours;
-    for (const auto& name : drones)
-        if (units_.contains(name)) {
-            ours.push_back(name);
-            words.push_back(unit_name(name));
-        }
-    if (ours.empty())
-        return {};
+    const auto meant = [&](const SwarmDrone& drone) { return std::ranges::find(drones, drone.name) != drones.end(); };
+    std::erase_if(waiting_, meant);
+    std::vector<std::string> begun, loaded;
+    std::ranges::copy_if(drones, std::back_inserter(begun), [&](const auto& name) { return units_.contains(name); });
+    for (const auto& name : begun)
+        units_.at(name).start.reset();
     std::optional<Error> failed;
     try {
-        run_command(systemctl(words), patience_of_systemd);
+        auto known = begun.empty() ? std::map<std::string, Properties>() : units_of(begun);
+        std::ranges::copy_if(begun, std::back_inserter(loaded), [&](const auto& name) {
+            return known[unit_name(name)]["Description"] == description(name);
+        });
+        for (const auto* verb : {"stop", "reset-failed"})  // a failed unit would stay loaded
+            if (!loaded.empty())
+                systemctl({verb}, loaded);
     } catch (const Error& error) {
         failed = error;
     }
     std::vector<SwarmFailure> remains;
-    std::error_code ignored;
-    for (const auto& name : ours) {
-        if (home_.alive(name)) {
+    for (const auto& name : begun)
+        if (home_.alive(name))
             remains.push_back(
                 {name, failed.value_or(Error(Errc::failed, "systemd has not stopped " + unit_name(name)))});
-            continue;
-        }
-        std::filesystem::remove(unit_directory() / unit_name(name), ignored);
-        units_.erase(name);
-    }
-    if (!failed)
-        run_command(systemctl({"daemon-reload"}), patience_of_systemd);
+        else
+            units_.erase(name);
     return remains;
 }
 

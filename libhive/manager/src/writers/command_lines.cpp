@@ -26,11 +26,8 @@ std::string with_escapes(const std::string& word)
            + escaped(text,
                      [](std::int32_t, std::string_view bytes) {
                          std::string result;
-                         for (const char byte : bytes) {
-                             constexpr std::string_view digits = "0123456789abcdef";
-                             const auto number = static_cast<unsigned char>(byte);
-                             result += {'\\', 'x', digits[number / 16], digits[number % 16]};
-                         }
+                         for (const char byte : bytes)
+                             result += hex_escape(byte);
                          return result;
                      })
            + "'";
@@ -151,6 +148,8 @@ std::string CommandLines::connection(const SwarmConnection& connection, const Sw
     const auto place = machine(sender) == machine(receiver) ? "" : address(sender);
     return protocol::to_text({sender.name, connection.from.port, place, connection.to.port, connection.options});
 }
+
+bool CommandLines::with_key() const { return !std::ranges::all_of(plan_.drones, &SwarmDrone::insecure); }
 
 std::vector<std::string> CommandLines::metrics() const
 {

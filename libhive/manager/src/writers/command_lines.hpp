@@ -28,6 +28,9 @@ public:
     /// The command line of the server for the metrics of all drones, each on its own machine, at metrics_port.
     [[nodiscard]] std::vector<std::string> metrics() const;
 
+    /// Does any drone need the swarm's key?
+    [[nodiscard]] bool with_key() const;
+
     static constexpr std::uint16_t metrics_port = 9464;
     static constexpr const char* metrics_name = "hive-metrics";
     /// For a machine of its own.

@@ -29,11 +29,7 @@ std::string start_line(const SwarmPlan& plan, const SwarmDrone& drone)
                     "write it as slurm, or bring it up: hivectl up");
     if (engine.name == "ssh")
         words.insert(words.end(), {"--on", engine.settings.get<std::string>()});
-    const auto program = arguments_of(as_started(plan, drone));
-    for (std::size_t i = 2; i < program.size(); ++i)  // after --name NAME
-        if (program[i] != "--set")
-            words.push_back(program[i]);
-    return line_of(words);
+    return line_of(with_order(std::move(words), as_started(plan, drone)));
 }
 
 std::string connect_line(const SwarmConnection& connection)

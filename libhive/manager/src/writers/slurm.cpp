@@ -168,11 +168,10 @@ trap 'kill "${steps[@]}" 2> /dev/null; exit 143' TERM
 /// @param has_gpus  has the component any?
 std::string step(const SwarmDrone& drone, const std::string& group, bool has_gpus, const CommandLines& lines)
 {
-    constexpr std::array words{"never", "on-failure", "always"};
     const auto node = drone.host == Place::here ? "" : shell_word(machine_name(drone.host));
     std::string text = "HIVE_HOME=$home" + (node.empty() ? "" : "-" + node) + " keep "
-                       + words.at(static_cast<std::size_t>(drone.restart)) + " srun --nodes=1 --ntasks=1 --job-name="
-                       + drone.name + (group.empty() ? "" : " --het-group=" + group);
+                       + restart_word(drone.restart, "never") + " srun --nodes=1 --ntasks=1 --job-name=" + drone.name
+                       + (group.empty() ? "" : " --het-group=" + group);
     if (!node.empty())
         text += " --nodelist=" + node;
     for (const auto& option : step_amounts(drone))

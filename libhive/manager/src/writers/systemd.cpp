@@ -1,4 +1,5 @@
 // Writes units of the user's systemd: a service per drone, and a target per machine.
+#include "../engines/engine.hpp"
 #include "../engines/systemd_unit.hpp"
 #include "command_lines.hpp"
 #include "writer.hpp"
@@ -15,16 +16,6 @@ std::string readable_word(const std::string& word)
     return !word.empty() && word.find_first_not_of(plain) == std::string::npos ? word : quoted_for_systemd(word);
 }
 
-std::string unit_restart_of(const SwarmDrone& drone)
-{
-    switch (drone.restart) {
-    case Restart::never: return "no";
-    case Restart::on_failure: return "on-failure";
-    case Restart::always: break;
-    }
-    return "always";
-}
-
 /// Another machine may have Hive elsewhere: the $PATH of its user manager finds the program.
 std::string exec_start(const SwarmDrone& drone, const std::vector<std::string>& words, const ExportOptions& options)
 {
@@ -38,11 +29,13 @@ std::string exec_start(const SwarmDrone& drone, const std::vector<std::string>& 
 
 std::string service(const SwarmPlan& plan, const SwarmDrone& drone, const std::string& command)
 {
-    return "[Unit]\nDescription=Hive drone " + drone.name + " of the swarm " + plan.name + "\nPartOf=hive-" + plan.name
-           + ".target\nWants=network-online.target\nAfter=network-online.target\nStartLimitIntervalSec="
-             "60\nStartLimitBurst=5\n\n[Service]\n"
-           + unit_supervision() + unit_limits(drone) + "ExecStart=" + command + "\nRestart=" + unit_restart_of(drone)
-           + "\nRestartSec=1\n";
+    std::string text = "[Unit]\nDescription=Hive drone " + drone.name + " of the swarm " + plan.name + "\nPartOf=hive-"
+                       + plan.name
+                       + ".target\nWants=network-online.target\nAfter=network-online.target\nStartLimitIntervalSec="
+                         "60\nStartLimitBurst=5\n\n[Service]\n";
+    for (const auto& property : unit_properties(drone))
+        text += property + "\n";
+    return text + "ExecStart=" + command + "\nRestart=" + restart_word(drone.restart) + "\nRestartSec=1\n";
 }
 
 std::string target(const SwarmPlan& plan, const std::vector<std::string>& services)
