@@ -20,6 +20,9 @@ struct ExportOptions {
     std::string programs = "/usr/bin";  ///< where hive-KIND is, for forms that need absolute paths
     std::string image = "hive:latest";  ///< of containers
     bool metrics = false;  ///< adds a container that serves the swarm's metrics to Prometheus; for containers only
+    /// Tells which parameters are paths of the drone's machine (Constraint::operator_only). If it is missing, or throws
+    /// for a kind, every text that looks like a path counts as one.
+    InterfaceOfKind interface_of{};
 };
 
 /// "systemd", "compose", "kubernetes", "slurm", "shell".
@@ -32,6 +35,6 @@ std::vector<ExportedFile> export_swarm(const SwarmPlan& plan, std::string_view f
 
 /// What drones of the plan need and the form does not contain (Python files, files that are read or written, devices),
 /// and what the form cannot carry, one sentence each. export_swarm() writes the same at the top of the first file.
-std::vector<std::string> export_notes(const SwarmPlan& plan, std::string_view form);
+std::vector<std::string> export_notes(const SwarmPlan& plan, std::string_view form, const ExportOptions& options = {});
 
 }  // namespace hive

@@ -265,16 +265,43 @@ TEST_CASE("export: a unit has limits, and a folder of programs with a space")
 
 TEST_CASE("export: folders of the paths in parameters, except those of the system")
 {
-    const auto folder = [](const std::string& path) {
-        const SwarmDrone drone{.set = {{"file", path}}};
-        const auto folders = folders_of(drone);
-        return folders.empty() ? "" : *folders.begin();
-    };
-    CHECK_EQ(folder("/data/run.hive"), "/data");
-    CHECK_EQ(folder("/home/me/runs/x.hive"), "/home/me/runs");
+    CHECK_EQ(folder_of("/data/run.hive"), "/data");
+    CHECK_EQ(folder_of("/home/me/runs/x.hive"), "/home/me/runs");
     for (const char* path : {"/x.hive", "/usr/share/x.xml", "/etc/x", "/tmp/x.hive", "/dev/video0", "run.hive",
                              "./data/x", "/data/../etc/x", "//usr/lib/x", "", "http://x/y", "/data/a:b/x"})
-        CHECK_MESSAGE(folder(path).empty(), path);
+        CHECK_MESSAGE(folder_of(path).empty(), path);
+}
+
+TEST_CASE("export: a text that looks like a path counts as one only if its parameter affects the machine")
+{
+    SwarmPlan plan;
+    plan.name = "s";
+    plan.drones = {{.name = "a", .kind = "say", .set = {{"text", "/runs/x"}, {"file", "/data/x"}}},
+                   {.name = "b", .kind = "elsewhere", .set = {{"text", "/runs/x"}}},
+                   {.name = "c", .kind = "say", .set = {{"text", "/runs/x"}}}};
+    int asked = 0;
+    const ExportOptions options{.interface_of = [&](const std::string& kind) {
+        ++asked;
+        if (kind != "say")
+            throw Error(Errc::not_found, kind);
+        Interface interface;
+        ParameterInfo text, file;
+        text.name = "text";
+        file.name = "file";
+        file.for_operator = true;
+        interface.parameters = {text, file};
+        return interface;
+    }};
+    const auto needs = needs_of(plan, options.interface_of);
+    CHECK(asked == 2);
+    CHECK(needs.at("a").folders == std::set<std::string>{"/data"});
+    CHECK(needs.at("b").folders == std::set<std::string>{"/runs"});
+    CHECK(needs.at("c").files.empty());
+    const auto manifests = file_of(export_swarm(plan, "kubernetes", options), "s.yaml");
+    CHECK(has(manifests.substr(0, manifests.find("\"s-b\"")), "StatefulSet"));
+    CHECK(has(manifests.substr(manifests.find("\"s-c\"")), "Deployment"));
+    CHECK_FALSE(has(manifests.substr(manifests.find("\"s-c\"")), "StatefulSet"));
+    CHECK_FALSE(has(export_notes(plan, "kubernetes", options).back(), "c needs"));
 }
 
 TEST_CASE("export: a compose file with devices, folders, and what a drone needs")
@@ -357,11 +384,36 @@ TEST_CASE("export: manifests of Kubernetes, with names that it takes")
     plan.drones[3].name = "door.cam";
     CHECK_THROWS_WITH_AS(export_swarm(plan, "kubernetes"), "two drones would be called doorway-door-cam in Kubernetes",
                          Error);
+    plan.drones[3].name = "door--cam";
+    CHECK_THROWS_AS(export_swarm(plan, "kubernetes"), Error);
     plan.drones[3].name = std::string(45, 'x');
     CHECK_THROWS_AS(export_swarm(plan, "kubernetes"), Error);
     plan.drones[3].name = "track";
     plan.name = "7";
     CHECK_THROWS_AS(export_swarm(plan, "kubernetes"), Error);
+    plan.name = std::string(40, 'x');
+    CHECK_NOTHROW(export_swarm(plan, "kubernetes"));
+    CHECK_THROWS_WITH_AS(export_swarm(plan, "kubernetes", {.metrics = true}),
+                         doctest::Contains("-hive-metrics is not a valid Service name"), Error);
+}
+
+TEST_CASE("export: two swarms in one namespace of Kubernetes have no name in common")
+{
+    std::map<std::string, std::string> owners;
+    for (const auto* swarm : {"a", "a-b", "a-b-c", "b"})
+        for (const auto* drone : {"a", "b", "c", "b-c", "b--c", "b-c-d", "c-d", "c_", "d"}) {
+            SwarmPlan plan;
+            plan.name = swarm;
+            plan.drones = {{.name = drone, .kind = "face"}};
+            const auto text = file_of(export_swarm(plan, "kubernetes"), std::string(swarm) + ".yaml");
+            const std::string key = "metadata:\n  name: ";
+            const auto begin = text.find(key) + key.size();
+            const auto name = text.substr(begin, text.find('\n', begin) - begin);
+            const auto [owner, is_new] = owners.emplace(name, swarm);
+            CHECK_MESSAGE(owner->second == swarm, name);
+        }
+    CHECK(owners.contains("\"a-b-c\""));
+    CHECK(owners.contains("\"a-b--c\""));
 }
 
 TEST_CASE("export: a pod has its swarm's key, no rights, and what the drone needs")

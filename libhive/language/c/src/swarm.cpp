@@ -5,6 +5,7 @@
 
 #include <hive_swarm.h>
 
+#include <hive/program.hpp>
 #include <hive/swarm.hpp>
 #include <hive/swarm_export.hpp>
 
@@ -238,7 +239,7 @@ hive_code hive_swarm_export(hive_swarm* swarm, const char* form, const char* opt
 {
     return with_swarm(swarm, [&](Swarm& open, SwarmObject&) {
         const Options given(options, {"programs", "image"});
-        ExportOptions wanted;
+        ExportOptions wanted{.interface_of = [](const std::string& kind) { return interface_of(kind); }};
         for (const auto& [field, place] : {std::pair{"programs", &wanted.programs}, {"image", &wanted.image}})
             if (const auto text = given.text(field); !text.empty())
                 *place = text;

@@ -1,39 +1,22 @@
 // A compose file: a container for each drone, on one machine.
+#include "../engines/engine.hpp"
 #include "command_lines.hpp"
 #include "needs.hpp"
 #include "writer.hpp"
 #include "yaml.hpp"
 
-#include <algorithm>
-
 namespace hive {
 namespace {
 
 /// In compose, '$' starts a variable.
-std::string compose_word(const std::string& word)
-{
-    std::string text;
-    for (const char c : word)
-        text += c == '$' ? "$$" : std::string(1, c);
-    return text;
-}
-
-const char* compose_restart(Restart restart)
-{
-    switch (restart) {
-    case Restart::never: return "no";
-    case Restart::on_failure: return "on-failure";
-    case Restart::always: break;
-    }
-    return "always";
-}
+std::string compose_word(const std::string& word) { return doubled(word, '$'); }
 
 OrderedJson container_of(const std::vector<std::string>& words, Restart restart, bool key, const ExportOptions& options)
 {
     OrderedJson service{{"image", options.image}, {"command", OrderedJson::array()}};
     for (const auto& word : words)
         service["command"].push_back(compose_word(word));
-    service["restart"] = compose_restart(restart);
+    service["restart"] = restart_word(restart);
     if (key) {
         service["user"] = "${HIVE_UID:-0}:${HIVE_GID:-0}";
         service["environment"] = {{"HIVE_KEY", "/run/secrets/hive-key"}};
@@ -42,14 +25,15 @@ OrderedJson container_of(const std::vector<std::string>& words, Restart restart,
     return service;
 }
 
-OrderedJson compose_service(const SwarmDrone& drone, const CommandLines& lines, const ExportOptions& options)
+OrderedJson compose_service(const SwarmDrone& drone, const Needs& needs, const CommandLines& lines,
+                            const ExportOptions& options)
 {
     auto service = container_of(lines.of(drone), drone.restart, !drone.insecure, options);
-    for (const auto& device : devices_of(drone))
+    for (const auto& device : needs.devices)
         service["devices"].push_back(compose_word(device + ":" + device));
     if (service.contains("devices"))
         service["group_add"] = {"video"};
-    for (const auto& folder : folders_of(drone))
+    for (const auto& folder : needs.folders)
         service["volumes"].push_back(
             {{"type", "bind"}, {"source", compose_word(folder)}, {"target", compose_word(folder)}});
     if (drone.cpus > 0)
@@ -71,10 +55,11 @@ OrderedJson compose_service(const SwarmDrone& drone, const CommandLines& lines, 
 ExportedFiles write_compose(const SwarmPlan& plan, const ExportOptions& options)
 {
     const CommandLines lines(plan, CommandLines::Machines::one_each);
+    const auto needs = needs_of(plan, options.interface_of);
     OrderedJson file{{"services", OrderedJson::object()}};
     for (const auto& drone : plan.drones)
-        file["services"][drone.name] = compose_service(drone, lines, options);
-    const bool key = std::ranges::any_of(plan.drones, [](const SwarmDrone& drone) { return !drone.insecure; });
+        file["services"][drone.name] = compose_service(drone, needs.at(drone.name), lines, options);
+    const bool key = lines.with_key();
     if (options.metrics)
         file["services"][CommandLines::metrics_name] = container_of(lines.metrics(), Restart::always, key, options);
     std::string head = "# The swarm " + plan.name + ", a container for each drone. Start it:\n";

@@ -1,12 +1,11 @@
 // Writes for each drone a workload and a Service, by whose name others reach it; the key is a Secret.
+#include "../engines/engine.hpp"
 #include "command_lines.hpp"
 #include "needs.hpp"
 #include "writer.hpp"
 #include "yaml.hpp"
 
-#include <algorithm>
 #include <map>
-#include <set>
 
 namespace hive {
 namespace {
@@ -15,21 +14,34 @@ constexpr int user = 65532;          ///< any but root
 constexpr int video_group = 44;      ///< of the devices, in Debian and Ubuntu
 constexpr std::size_t longest = 52;  ///< names of StatefulSets become labels with a suffix
 
-/// Object names by drone: several swarms can share a namespace.
-std::map<std::string, std::string> object_names(const SwarmPlan& plan)
+/// "doorway-camera", and "door-way--camera" if the swarm has a hyphen, so that two swarms in a namespace have no name
+/// in common: a name without "--" ends the swarm at its first hyphen, and any other one at the first "--".
+std::string object_name(const std::string& swarm, const std::string& drone)
 {
-    const auto swarm = label_of(plan.name);
-    std::map<std::string, std::string> names{{CommandLines::metrics_name, swarm + "-" + CommandLines::metrics_name}};
-    std::set<std::string> taken;
-    for (const auto& drone : plan.drones) {
-        const auto name = names[drone.name] = swarm + "-" + label_of(drone.name);
-        if (name.front() < 'a' || name.size() > longest)
-            throw Error(Errc::invalid_argument, name + " is not a valid Service name",
-                        "start the name of the swarm with a letter; use at most 52 characters");
-        if (!taken.insert(name).second)
+    auto label = label_of(drone);
+    while (label.find("--") != label.npos)
+        label.erase(label.find("--"), 1);
+    const auto name = swarm + (swarm.find('-') == swarm.npos ? "-" : "--") + label;
+    if (name.front() < 'a' || name.size() > longest)
+        throw Error(Errc::invalid_argument, name + " is not a valid Service name",
+                    "start the name of the swarm with a letter; use at most 52 characters");
+    return name;
+}
+
+/// By drone; the server of the metrics counts as one.
+std::map<std::string, std::string> object_names(const SwarmPlan& plan, bool metrics)
+{
+    std::map<std::string, std::string> names, drones;
+    const auto add = [&](const std::string& drone) {
+        const auto name = names[drone] = object_name(label_of(plan.name), drone);
+        if (!drones.emplace(name, drone).second)
             throw Error(Errc::invalid_argument, "two drones would be called " + name + " in Kubernetes",
-                        "they must differ in more than upper case, '_' and '.'");
-    }
+                        "they must differ in more than upper case, '_', '.' and repeated '-'");
+    };
+    for (const auto& drone : plan.drones)
+        add(drone.name);
+    if (metrics)
+        add(CommandLines::metrics_name);
     return names;
 }
 
@@ -40,7 +52,8 @@ public:
         : plan_(plan),
           options_(options),
           swarm_(label_of(plan.name)),
-          names_(object_names(plan)),
+          names_(object_names(plan, options.metrics)),
+          needs_(needs_of(plan, options.interface_of)),
           lines_(plan, CommandLines::Machines::one_each, names_)
     {
     }
@@ -61,12 +74,14 @@ private:
     [[nodiscard]] OrderedJson workload(const SwarmDrone& drone, OrderedJson one) const;
     [[nodiscard]] OrderedJson service(const SwarmDrone& drone) const;
     [[nodiscard]] OrderedJson metrics() const;
+    [[nodiscard]] const Needs& needs(const SwarmDrone& drone) const;
     [[nodiscard]] std::string key() const { return swarm_ + "-key"; }
 
     const SwarmPlan& plan_;
     const ExportOptions& options_;
     std::string swarm_;
     std::map<std::string, std::string> names_;
+    std::map<std::string, Needs> needs_;
     CommandLines lines_;
 };
 
@@ -79,47 +94,44 @@ OrderedJson probe(const SwarmDrone& drone, int period_s)
 
 std::string volume_name(std::size_t number) { return "data-" + std::to_string(number); }
 
-/// A folder of the node that the file names; otherwise a claim, which a StatefulSet keeps.
-bool has_claims(const SwarmDrone& drone) { return drone.host == Place::here && !folders_of(drone).empty(); }
+/// Folders are those of the node that the file names; otherwise claims, which a StatefulSet keeps.
+bool has_claims(const SwarmDrone& drone, const Needs& needs)
+{
+    return drone.host == Place::here && !needs.folders.empty();
+}
 
-OrderedJson volume_mounts(const SwarmDrone& drone)
+OrderedJson volume_mounts(const SwarmDrone& drone, const Needs& needs)
 {
     auto mounts = OrderedJson::array();
-    for (const auto& folder : folders_of(drone))
-        mounts.push_back({{"name", volume_name(mounts.size())}, {"mountPath", folder}});
-    for (const auto& device : devices_of(drone))
-        mounts.push_back({{"name", volume_name(mounts.size())}, {"mountPath", device}});
+    for (const auto* paths : {&needs.folders, &needs.devices})
+        for (const auto& path : *paths)
+            mounts.push_back({{"name", volume_name(mounts.size())}, {"mountPath", path}});
     if (!drone.insecure)
         mounts.push_back({{"name", "key"}, {"mountPath", "/etc/hive"}, {"readOnly", true}});
     return mounts;
 }
 
 /// Everything that is mounted except claims.
-OrderedJson volumes(const SwarmDrone& drone, const std::string& key)
+OrderedJson volumes(const SwarmDrone& drone, const Needs& needs, const std::string& key)
 {
     auto volumes = OrderedJson::array();
     std::size_t number = 0;
-    const auto add = [&](const std::string& path, const char* type) {
-        volumes.push_back({{"name", volume_name(number)}, {"hostPath", {{"path", path}, {"type", type}}}});
-    };
-    for (const auto& folder : folders_of(drone)) {
-        if (!has_claims(drone))
-            add(folder, "Directory");
-        ++number;
-    }
-    for (const auto& device : devices_of(drone)) {
-        add(device, "CharDevice");
-        ++number;
-    }
+    for (const auto* paths : {&needs.folders, &needs.devices})
+        for (const auto& path : *paths) {
+            const auto* type = paths == &needs.devices ? "CharDevice" : "Directory";
+            const auto name = volume_name(number++);
+            if (paths == &needs.devices || !has_claims(drone, needs))
+                volumes.push_back({{"name", name}, {"hostPath", {{"path", path}, {"type", type}}}});
+        }
     if (!drone.insecure)  // readable by fsGroup alone: the files belong to root
         volumes.push_back({{"name", "key"}, {"secret", {{"secretName", key}, {"defaultMode", 0440}}}});
     return volumes;
 }
 
-OrderedJson claims(const SwarmDrone& drone)
+OrderedJson claims(const Needs& needs)
 {
     auto claims = OrderedJson::array();
-    for (std::size_t i = 0; i < folders_of(drone).size(); ++i)
+    for (std::size_t i = 0; i < needs.folders.size(); ++i)
         claims.push_back(
             {{"metadata", {{"name", volume_name(i)}}},
              {"spec", {{"accessModes", {"ReadWriteOnce"}}, {"resources", {{"requests", {{"storage", "10Gi"}}}}}}}});
@@ -140,21 +152,24 @@ OrderedJson resources(const SwarmDrone& drone)
     return resources;
 }
 
+const Needs& Manifests::needs(const SwarmDrone& drone) const
+{
+    static const Needs none;  // of the server for the metrics
+    const auto found = needs_.find(drone.name);
+    return found == needs_.end() ? none : found->second;
+}
+
 OrderedJson Manifests::container(const SwarmDrone& drone, const std::vector<std::string>& words, int port) const
 {
     OrderedJson result{{"name", "drone"}, {"image", options_.image}, {"command", OrderedJson::array()}};
-    for (const auto& word : words) {
-        std::string text;
-        for (const char c : word)
-            text += c == '$' ? "$$" : std::string(1, c);  // $(NAME) is a variable in Kubernetes
-        result["command"].push_back(text);
-    }
+    for (const auto& word : words)
+        result["command"].push_back(doubled(word, '$'));  // $(NAME) is a variable in Kubernetes
     result["ports"] = {{{"name", "hive"}, {"containerPort", port}}};
     if (!drone.insecure)
         result["env"] = {{{"name", "HIVE_KEY"}, {"value", "/etc/hive/swarm.key"}}};
-    if (auto mounts = volume_mounts(drone); !mounts.empty())
+    if (auto mounts = volume_mounts(drone, needs(drone)); !mounts.empty())
         result["volumeMounts"] = std::move(mounts);
-    if (devices_of(drone).empty())
+    if (needs(drone).devices.empty())
         result["securityContext"] = {{"allowPrivilegeEscalation", false}, {"capabilities", {{"drop", {"ALL"}}}}};
     else
         result["securityContext"] = {{"privileged", true}};  // no other container may open devices of the node
@@ -179,12 +194,12 @@ OrderedJson Manifests::pod(const SwarmDrone& drone, OrderedJson one) const
                        {"runAsGroup", user},
                        {"fsGroup", user},
                        {"seccompProfile", {{"type", "RuntimeDefault"}}}}}};
-    if (!devices_of(drone).empty())
+    if (!needs(drone).devices.empty())
         spec["securityContext"]["supplementalGroups"] = {video_group};
     if (drone.host != Place::here)
         spec["nodeSelector"] = {{"kubernetes.io/hostname", machine_name(drone.host)}};
     spec["containers"] = OrderedJson::array({std::move(one)});
-    if (auto all = volumes(drone, key()); !all.empty())
+    if (auto all = volumes(drone, needs(drone), key()); !all.empty())
         spec["volumes"] = std::move(all);
     return {{"metadata", {{"labels", labels(drone)}}}, {"spec", std::move(spec)}};
 }
@@ -192,12 +207,12 @@ OrderedJson Manifests::pod(const SwarmDrone& drone, OrderedJson one) const
 /// A Job would refuse another template, so a changed file could not be applied.
 OrderedJson Manifests::workload(const SwarmDrone& drone, OrderedJson one) const
 {
-    const bool keeps = has_claims(drone);
+    const bool keeps = has_claims(drone, needs(drone));
     OrderedJson spec{
         {"replicas", 1}, {"selector", {{"matchLabels", labels(drone)}}}, {"template", pod(drone, std::move(one))}};
     if (keeps) {
         spec["serviceName"] = names_.at(drone.name);
-        spec["volumeClaimTemplates"] = claims(drone);
+        spec["volumeClaimTemplates"] = claims(needs(drone));
     } else {
         spec["strategy"] = {{"type", "Recreate"}};  // a name is only for one
     }
@@ -210,8 +225,7 @@ OrderedJson Manifests::workload(const SwarmDrone& drone, OrderedJson one) const
 /// A Deployment, which Prometheus finds by the annotations of its pod.
 OrderedJson Manifests::metrics() const
 {
-    const bool insecure = std::ranges::all_of(plan_.drones, &SwarmDrone::insecure);
-    const SwarmDrone server{.name = CommandLines::metrics_name, .insecure = insecure};
+    const SwarmDrone server{.name = CommandLines::metrics_name, .insecure = !lines_.with_key()};
     auto one = container(server, lines_.metrics(), CommandLines::metrics_port);
     one["readinessProbe"] = {{"tcpSocket", {{"port", "hive"}}}};
     one["resources"] = resources(server);
@@ -239,7 +253,7 @@ ExportedFiles Manifests::files() const
                               {"kind", "Kustomization"},
                               {"resources", {swarm_ + ".yaml"}}};
     std::string head = "# The swarm " + plan_.name + ", a pod for each drone. Start it:\n";
-    if (std::ranges::any_of(plan_.drones, [](const SwarmDrone& drone) { return !drone.insecure; })) {
+    if (lines_.with_key()) {
         // kustomize adds a hash of the key to the name, so that pods are replaced when the key changes.
         kustomization["secretGenerator"] = {{{"name", key()},
                                              {"files", {"swarm.key"}},

@@ -7,32 +7,13 @@
 #include <hive/swarm_export.hpp>
 
 #include <algorithm>
-#include <filesystem>
 
 namespace hive {
 namespace {
 
-namespace fs = std::filesystem;
-
 bool is_device(const std::string& text) { return text.starts_with("/dev/"); }
 
-bool is_file(const std::string& text)
-{
-    std::error_code ignored;
-    const auto begins = [&](const char* with) { return text.starts_with(with); };
-    return begins("/") || begins("./") || begins("../") || begins("~/") || fs::is_regular_file(text, ignored);
-}
-
 bool in_containers(std::string_view form) { return form == "compose" || form == "kubernetes"; }
-
-std::set<std::string> texts_of(const SwarmDrone& drone)
-{
-    std::set<std::string> texts;
-    for (const auto& [name, value] : drone.set.items())
-        if (value.is_string())
-            texts.insert(value.get<std::string>());
-    return texts;
-}
 
 /// The same in a pod. Folders of a node are mounted; without a node, a claim is.
 std::string lack_in_pod(const SwarmDrone& drone, const std::string& thing)
@@ -122,37 +103,9 @@ std::string text_of(const Need& need)
 
 }  // namespace
 
-std::string folder_of(const std::string& path)
+std::vector<std::string> export_notes(const SwarmPlan& plan, std::string_view form, const ExportOptions& options)
 {
-    static const std::set<std::string> of_system{"",      "bin",   "boot",   "dev", "etc",  "lib",
-                                                 "lib32", "lib64", "libx32", "opt", "proc", "root",
-                                                 "run",   "sbin",  "sys",    "tmp", "usr",  "var"};
-    const fs::path folder = fs::path(path).parent_path(), inner = folder.relative_path();
-    const auto top = inner.empty() ? std::string() : inner.begin()->string();
-    if (!path.starts_with("/") || path.find(':') != path.npos || std::ranges::find(folder, "..") != folder.end()
-        || of_system.contains(top) || inner == "home")
-        return {};
-    return folder.string();
-}
-
-std::set<std::string> devices_of(const SwarmDrone& drone)
-{
-    auto texts = texts_of(drone);
-    std::erase_if(texts, [](const std::string& text) { return !is_device(text) || text.find(':') != text.npos; });
-    return texts;
-}
-
-std::set<std::string> folders_of(const SwarmDrone& drone)
-{
-    std::set<std::string> folders;
-    for (const auto& text : texts_of(drone))
-        if (auto folder = folder_of(text); !folder.empty())
-            folders.insert(std::move(folder));
-    return folders;
-}
-
-std::vector<std::string> export_notes(const SwarmPlan& plan, std::string_view form)
-{
+    const auto needed = needs_of(plan, options.interface_of);
     std::vector<Need> needs;
     for (const auto& drone : plan.drones) {
         const auto lost = lost_of(plan, drone, form);
@@ -162,9 +115,8 @@ std::vector<std::string> export_notes(const SwarmPlan& plan, std::string_view fo
             continue;
         if (is_python_file(drone.kind))
             add(needs, drone, drone.kind, lack_of(drone, drone.kind, form));
-        for (const auto& text : texts_of(drone))
-            if (is_file(text))
-                add(needs, drone, text, lack_of(drone, text, form));
+        for (const auto& file : needed.at(drone.name).files)
+            add(needs, drone, file, lack_of(drone, file, form));
     }
     std::vector<std::string> notes;
     std::ranges::transform(needs, std::back_inserter(notes), text_of);

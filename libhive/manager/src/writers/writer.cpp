@@ -59,7 +59,7 @@ ExportedFiles export_swarm(const SwarmPlan& plan, std::string_view form, const E
         require_lines(plan);
         auto files = writers.at(static_cast<std::size_t>(found - export_forms().begin()))(plan, options);
         if (!files.empty())
-            add_to_head(files.front().text, export_notes(plan, form));
+            add_to_head(files.front().text, export_notes(plan, form, options));
         return files;
     }
     std::string list;
