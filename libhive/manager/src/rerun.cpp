@@ -286,13 +286,8 @@ Rerun FreshDrone::run()
 
 std::string_view token(Rerun::Outcome outcome)
 {
-    switch (outcome) {
-    case Rerun::Outcome::passed: return "passed";
-    case Rerun::Outcome::threw: return "threw";
-    case Rerun::Outcome::died: return "died";
-    case Rerun::Outcome::hung: break;
-    }
-    return "hung";
+    constexpr std::array<std::string_view, 4> tokens{"passed", "threw", "died", "hung"};
+    return tokens[static_cast<std::size_t>(outcome)];
 }
 
 Json to_json(const KeptFailure& failure)

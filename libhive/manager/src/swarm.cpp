@@ -16,6 +16,7 @@
 #include <hive/program.hpp>
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <set>
 #include <span>
@@ -111,16 +112,9 @@ bool is_empty(const SwarmPlan& plan) { return plan.drones.empty(); }
 
 std::string_view token(What what) noexcept
 {
-    switch (what) {
-    case What::start: return "start";
-    case What::restart: return "restart";
-    case What::change: return "change";
-    case What::set: return "set";
-    case What::connect: return "connect";
-    case What::disconnect: return "disconnect";
-    case What::stop: return "stop";
-    }
-    return "";
+    constexpr std::array<std::string_view, 7> tokens{"start",   "restart",    "change", "set",
+                                                     "connect", "disconnect", "stop"};
+    return tokens[static_cast<std::size_t>(what)];
 }
 
 std::string to_text(const SwarmStep& step)

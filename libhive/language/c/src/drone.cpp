@@ -90,6 +90,31 @@ hive_code with_drone(const hive_drone* drone, Function&& function)
     return guarded([&] { function(get<DroneObject>(drone)->open()->drone()); });
 }
 
+/// Declares a callback, which then runs on the drone's thread.
+template <class Callback, class Declare>
+hive_code declare(hive_drone* drone, Callback* callback, Declare&& function)
+{
+    return guarded([&] {
+        const auto object = get<DroneObject>(drone);
+        required(callback, "the callback");
+        const auto open = object->declaring();
+        function(open->drone(), object.get());
+    });
+}
+
+/// Runs or starts the drone on this thread.
+hive_code begin(hive_drone* drone, void (EmbeddedDrone::*run)())
+{
+    return guarded([&] {
+        const auto object = get<DroneObject>(drone);
+        const auto open = object->declaring();
+        object->as_user_thread([&](EmbeddedDrone& embedded) {
+            object->begin();
+            (embedded.*run)();
+        });
+    });
+}
+
 }  // namespace
 
 hive_code hive_drone_new(const char* kind, const char* summary, const char* options, hive_drone** drone)
@@ -228,20 +253,15 @@ hive_code hive_drone_on_change(hive_drone* drone, hive_callback callback, void* 
 
 hive_code hive_drone_on_start(hive_drone* drone, hive_callback callback, void* user)
 {
-    return guarded([&] {
-        const auto object = get<DroneObject>(drone);
-        required(callback, "the callback");
-        object->declaring()->drone().on_start(
-            [raw = object.get(), callback, user] { raw->call([&] { return callback(user); }); });
+    return declare(drone, callback, [&](Drone& open, DroneObject* raw) {
+        open.on_start([raw, callback, user] { raw->call([&] { return callback(user); }); });
     });
 }
 
 hive_code hive_drone_on_end(hive_drone* drone, hive_end_callback callback, void* user)
 {
-    return guarded([&] {
-        const auto object = get<DroneObject>(drone);
-        required(callback, "the callback");
-        object->declaring()->drone().on_end([raw = object.get(), callback, user](const std::string& text) {
+    return declare(drone, callback, [&](Drone& open, DroneObject* raw) {
+        open.on_end([raw, callback, user](const std::string& text) {
             raw->call([&] { return callback(user, text.c_str()); });
         });
     });
@@ -249,10 +269,8 @@ hive_code hive_drone_on_end(hive_drone* drone, hive_end_callback callback, void*
 
 hive_code hive_drone_main(hive_drone* drone, hive_main_callback callback, void* user)
 {
-    return guarded([&] {
-        const auto object = get<DroneObject>(drone);
-        required(callback, "the callback");
-        object->declaring()->drone().main([raw = object.get(), callback, user] {
+    return declare(drone, callback, [&](Drone& open, DroneObject* raw) {
+        open.main([raw, callback, user] {
             int64_t wait_us = 0;
             raw->call([&] { return callback(user, &wait_us); });
             return std::chrono::microseconds(std::clamp<int64_t>(wait_us, 0, longest_wait_us));
@@ -265,29 +283,9 @@ hive_code hive_drone_describe(const hive_drone* drone, char** json, size_t* leng
     return guarded([&] { give_json(to_json(get<DroneObject>(drone)->open()->interface()), json, length); });
 }
 
-hive_code hive_drone_run(hive_drone* drone)
-{
-    return guarded([&] {
-        const auto object = get<DroneObject>(drone);
-        const auto open = object->declaring();
-        object->as_user_thread([&](EmbeddedDrone& embedded) {
-            object->begin();
-            embedded.run();
-        });
-    });
-}
+hive_code hive_drone_run(hive_drone* drone) { return begin(drone, &EmbeddedDrone::run); }
 
-hive_code hive_drone_start(hive_drone* drone)
-{
-    return guarded([&] {
-        const auto object = get<DroneObject>(drone);
-        const auto open = object->declaring();
-        object->as_user_thread([&](EmbeddedDrone& embedded) {
-            object->begin();
-            embedded.start();
-        });
-    });
-}
+hive_code hive_drone_start(hive_drone* drone) { return begin(drone, &EmbeddedDrone::start); }
 
 hive_code hive_drone_step(hive_drone* drone, int64_t time_ms, bool* goes_on)
 {
