@@ -1,10 +1,6 @@
 // Finds the verb, reads its command line, runs it, and turns every failure into a sentence and an exit code.
-#include "run/command_line.hpp"
-#include "words/exit_code.hpp"
 #include "run/help.hpp"
 #include "run/interrupt.hpp"
-#include "words/output.hpp"
-#include "run/session.hpp"
 #include "verbs.hpp"
 
 #include <hive/name.hpp>

@@ -1,14 +1,18 @@
-// A verb of hivectl: its help texts, arguments and action.
+// A verb of hivectl: its help texts, arguments and action, and what each verb is written with.
 #pragma once
 
+#include "run/command_line.hpp"
+#include "run/session.hpp"
+#include "words/exit_code.hpp"
+#include "words/output.hpp"
+#include "words/table.hpp"
+
 #include <functional>
+#include <memory>
 #include <string_view>
 #include <vector>
 
 namespace hivectl {
-
-class CommandLine;
-class Session;
 
 /// The kind of a positional argument, for completion. The last one of a verb repeats.
 enum class Operand { kind, drone, failed_drone, sender, receiver, setting, setting_of_kind, parameter, file, other };
@@ -28,7 +32,18 @@ struct Verb {
     bool table = false;                                                ///< prints a table, so it has --wide
     std::vector<Operand> operands = {};
     /// Declares options and arguments; returns the action for after a successful parse.
-    Run (*declare)(CommandLine& line, Session& session) = nullptr;
+    std::function<Run(CommandLine& line, Session& session)> declare = {};
 };
+
+/// For a verb with options: `declare` adds them to the command line, and `run` gets their values.
+template <typename Options>
+auto with(void (*declare)(CommandLine&, Options&), int (*run)(const Options&, Session&))
+{
+    return [=](CommandLine& line, Session& session) {
+        const auto options = std::make_shared<Options>();
+        declare(line, *options);
+        return [=, &session] { return run(*options, session); };
+    };
+}
 
 }  // namespace hivectl

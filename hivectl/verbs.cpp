@@ -1,9 +1,6 @@
 // Creates the list of verbs, and finds one by name.
 #include "verbs.hpp"
 
-#include "run/command_line.hpp"
-#include "run/session.hpp"
-
 #include <algorithm>
 
 namespace hivectl {

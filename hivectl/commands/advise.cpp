@@ -1,12 +1,7 @@
 // hivectl advise: shows where the time of events goes, and predicts the effect of changes.
 #include "../verbs.hpp"
-#include "run/command_line.hpp"
-#include "run/session.hpp"
-#include "words/exit_code.hpp"
 #include "words/format.hpp"
-#include "words/output.hpp"
 #include "words/status_line.hpp"
-#include "words/table.hpp"
 
 #include <hive/advise.hpp>
 
@@ -94,15 +89,12 @@ int run(const Options& options, Session& session)
     return exit_code::done;
 }
 
-Run declare(CommandLine& line, Session& session)
+void declare(CommandLine& line, Options& options)
 {
-    auto options = std::make_shared<Options>();
-    line.option("NAME", options->drones,
-                "the last drone of a pipeline, or its first and last (default: all pipelines)");
-    line.option("--goal", options->goal, "what to improve: events per second (fps, default) or their age (latency)")
+    line.option("NAME", options.drones, "the last drone of a pipeline, or its first and last (default: all pipelines)");
+    line.option("--goal", options.goal, "what to improve: events per second (fps, default) or their age (latency)")
         .one_of({std::string(hive::token(hive::Goal::fps)), std::string(hive::token(hive::Goal::latency))});
-    line.option("--time", options->time_s, "how long to measure (default 2)").type_name("SECONDS").seconds(0.2, 3600);
-    return [options, &session] { return run(*options, session); };
+    line.option("--time", options.time_s, "how long to measure (default 2)").type_name("SECONDS").seconds(0.2, 3600);
 }
 
 }  // namespace
@@ -133,7 +125,7 @@ Verb verb()
         .timeout = "give up after this long without an answer (default 1)",
         .table = true,
         .operands = {Operand::sender, Operand::receiver},
-        .declare = declare};
+        .declare = with(declare, run)};
 }
 
 }  // namespace hivectl::advise_verb

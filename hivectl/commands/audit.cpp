@@ -1,12 +1,7 @@
 // hivectl audit: checks whether anything was lost.
 #include "../verbs.hpp"
-#include "run/command_line.hpp"
 #include "run/interrupt.hpp"
-#include "run/session.hpp"
-#include "words/exit_code.hpp"
 #include "words/format.hpp"
-#include "words/output.hpp"
-#include "words/table.hpp"
 
 #include <hive/audit.hpp>
 
@@ -150,18 +145,16 @@ int run(const Options& options, Session& session)
                                                     : exit_code::found;
 }
 
-Run declare(CommandLine& line, Session& session)
+void declare(CommandLine& line, Options& options)
 {
-    auto options = std::make_shared<Options>();
-    const auto watch = line.flag("--watch", options->watch, "repeat the table until Ctrl-C");
-    line.option("--interval", options->interval_s, "with --watch: time between two tables (default 1)")
+    const auto watch = line.flag("--watch", options.watch, "repeat the table until Ctrl-C");
+    line.option("--interval", options.interval_s, "with --watch: time between two tables (default 1)")
         .type_name("SECONDS")
         .seconds(0.05, 3600)
         .needs(watch);
-    line.option("--since", options->since,
+    line.option("--since", options.since,
                 "leave out connections whose last loss is older: 90s, 10m, 2h, 1d, 14:05, or 2026-11-27T14:05:00")
         .type_name("TIME");
-    return [options, &session] { return run(*options, session); };
 }
 
 }  // namespace
@@ -197,7 +190,7 @@ Verb verb()
         .timeout = "how long to wait for the answer of a drone (default 1)",
         .table = true,
         .operands = {},
-        .declare = declare};
+        .declare = with(declare, run)};
 }
 
 }  // namespace hivectl::audit_verb

@@ -1,11 +1,6 @@
 // hivectl check: finds the errors in a swarm file.
 #include "../verbs.hpp"
-#include "run/command_line.hpp"
-#include "run/session.hpp"
 #include "run/swarm_file.hpp"
-#include "words/exit_code.hpp"
-#include "words/output.hpp"
-#include "words/table.hpp"
 
 namespace hivectl::check_verb {
 namespace {
@@ -41,12 +36,10 @@ int run(const SwarmInput& input, Session& session)
     return reading.mistakes.empty() ? exit_code::done : exit_code_of(hive::Errc::invalid_argument);
 }
 
-Run declare(CommandLine& line, Session& session)
+void declare(CommandLine& line, SwarmInput& input)
 {
-    auto input = std::make_shared<SwarmInput>();
-    line.option("FILE", input->file, "the swarm file; -: stdin").required();
-    declare_variables(line, *input);
-    return [input, &session] { return run(*input, session); };
+    line.option("FILE", input.file, "the swarm file; -: stdin").required();
+    declare_variables(line, input);
 }
 
 }  // namespace
@@ -63,7 +56,7 @@ Verb verb()
             .examples = "hivectl check doorway.json",
             .timeout = "how long programs may take to describe themselves (default 10)",
             .operands = {Operand::file},
-            .declare = declare};
+            .declare = with(declare, run)};
 }
 
 }  // namespace hivectl::check_verb

@@ -1,14 +1,10 @@
 // hivectl collect: prints sets of matching events, one JSON object per line.
 #include "../verbs.hpp"
-#include "run/command_line.hpp"
 #include "run/event_row.hpp"
 #include "run/printing.hpp"
-#include "run/session.hpp"
 #include "run/silence.hpp"
-#include "words/exit_code.hpp"
 #include "words/format.hpp"
 #include "words/losses.hpp"
-#include "words/output.hpp"
 #include "words/progress.hpp"
 #include "words/status_line.hpp"
 #include "words/targets.hpp"
@@ -101,22 +97,17 @@ int run(const Options& options, Session& session)
     return code;
 }
 
-Run declare(CommandLine& line, Session& session)
+void declare(CommandLine& line, Options& options)
 {
-    auto options = std::make_shared<Options>();
-    line.option("NAME", options->names,
-                "two or more drones, drone.output or globs; omit the output if only one is JSON")
+    line.option("NAME", options.names, "two or more drones, drone.output or globs; omit the output if only one is JSON")
         .required();
-    line.option("-n", options->count, "end after this many sets")
-        .type_name("N")
-        .between(std::int64_t{1}, std::int64_t{1} << 53);
-    line.option("--within", options->within_ms,
+    line.option("-n", options.count, "end after this many sets").count();
+    line.option("--within", options.within_ms,
                 "match the nearest captures, at most this far apart (default: only events of the same capture)")
         .type_name("MS")
         .milliseconds(0, 3'600'000);
-    line.flag("--notify", options->notify, "receive headers only, so drones need not make bodies");
-    line.flag("--stay", options->stay, "keep waiting after every source has ended");
-    return [options, &session] { return run(*options, session); };
+    line.flag("--notify", options.notify, "receive headers only, so drones need not make bodies");
+    line.flag("--stay", options.stay, "keep waiting after every source has ended");
 }
 
 }  // namespace
@@ -135,7 +126,7 @@ Verb verb()
                         "hivectl collect left right --within 20 -n 5 | jq .spread_ms",
             .timeout = "give up after this long without a set (default: never)",
             .operands = {Operand::sender},
-            .declare = declare};
+            .declare = with(declare, run)};
 }
 
 }  // namespace hivectl::collect_verb

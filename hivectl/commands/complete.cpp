@@ -1,10 +1,5 @@
 // hivectl complete: prints the completions of an unfinished command line for the completion scripts.
 #include "../verbs.hpp"
-#include "run/command_line.hpp"
-#include "run/session.hpp"
-#include "words/exit_code.hpp"
-#include "words/output.hpp"
-#include "words/table.hpp"
 #include "words/targets.hpp"
 
 #include <hive/program.hpp>
@@ -178,11 +173,9 @@ int run(const Words& words, Session& session)
     return exit_code::done;
 }
 
-Run declare(CommandLine& line, Session& session)
+void declare(CommandLine& line, Words& words)
 {
-    auto words = std::make_shared<Words>();
-    line.option("WORD", *words, "the arguments after hivectl; the last one is incomplete");
-    return [words, &session] { return run(*words, session); };
+    line.option("WORD", words, "the arguments after hivectl; the last one is incomplete");
 }
 
 }  // namespace
@@ -193,7 +186,7 @@ Verb verb()
             .usage = "-- WORD...",
             .summary = "Lists completions of the last word; for the scripts of hivectl completion",
             .operands = {Operand::other},
-            .declare = declare};
+            .declare = with(declare, run)};
 }
 
 }  // namespace hivectl::complete_verb

@@ -1,10 +1,5 @@
 // hivectl completion: prints the scripts that make a shell complete verbs, drones, ports and parameters.
 #include "../verbs.hpp"
-#include "run/command_line.hpp"
-#include "run/session.hpp"
-#include "words/exit_code.hpp"
-#include "words/output.hpp"
-#include "words/table.hpp"
 
 namespace hivectl::completion_verb {
 namespace {
@@ -54,15 +49,16 @@ end
 complete -c hivectl -a '(__hivectl_complete)'
 )";
 
-Run declare(CommandLine& line, Session& session)
+int run(const std::string& shell, Session& session)
 {
-    auto shell = std::make_shared<std::string>();
-    line.option("SHELL", *shell, "bash, zsh or fish").required().one_of({"bash", "zsh", "fish"});
-    return [shell, &session] {
-        const std::string script(*shell == "bash" ? bash_script : *shell == "zsh" ? zsh_script : fish_script);
-        write_out(session.json ? Row{{"shell", *shell}, {"script", script}}.json() + "\n" : script);
-        return exit_code::done;
-    };
+    const std::string script(shell == "bash" ? bash_script : shell == "zsh" ? zsh_script : fish_script);
+    write_out(session.json ? Row{{"shell", shell}, {"script", script}}.json() + "\n" : script);
+    return exit_code::done;
+}
+
+void declare(CommandLine& line, std::string& shell)
+{
+    line.option("SHELL", shell, "bash, zsh or fish").required().one_of({"bash", "zsh", "fish"});
 }
 
 }  // namespace
@@ -75,7 +71,7 @@ Verb verb()
             .summary = "Prints a script that completes verbs, live drones, ports and parameters",
             .examples = "source <(hivectl completion bash)",
             .operands = {Operand::other},
-            .declare = declare};
+            .declare = with(declare, run)};
 }
 
 }  // namespace hivectl::completion_verb

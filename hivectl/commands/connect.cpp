@@ -1,11 +1,6 @@
 // hivectl connect: sends the events of an output to inputs.
 #include "../verbs.hpp"
-#include "run/command_line.hpp"
-#include "run/session.hpp"
-#include "words/exit_code.hpp"
-#include "words/output.hpp"
 #include "words/status_line.hpp"
-#include "words/table.hpp"
 #include "words/targets.hpp"
 
 #include <hive/connection_option.hpp>
@@ -90,21 +85,19 @@ Option declare(CommandLine& line, const hive::ConnectionOption& option, Options&
                                            : declared;
 }
 
-Run declare(CommandLine& line, Session& session)
+void declare(CommandLine& line, Options& options)
 {
-    auto options = std::make_shared<Options>();
-    line.option("SENDER", options->sender, "drone or drone.output; omit the output if only one fits").required();
-    line.option("RECEIVER", options->receivers, "drones or drone.input, one or several; globs such as 'face-*'")
+    line.option("SENDER", options.sender, "drone or drone.output; omit the output if only one fits").required();
+    line.option("RECEIVER", options.receivers, "drones or drone.input, one or several; globs such as 'face-*'")
         .required();
     std::map<std::string_view, Option> declared;
-    declared.emplace("share", line.flag("--share", options->share,
+    declared.emplace("share", line.flag("--share", options.share,
                                         "share the work: each event goes to one receiver, the one with the fewest "
                                         "events in progress that has waited longest"));
     for (const auto& option : hive::connection_option_table())
-        declared.emplace(option.name, declare(line, option, *options));
+        declared.emplace(option.name, declare(line, option, options));
     for (const auto& [one, other] : hive::connection_clashes())
         declared.at(other).excludes(declared.at(one));
-    return [options, &session] { return run(*options, session); };
 }
 
 }  // namespace
@@ -123,7 +116,7 @@ Verb verb()
                         "hivectl connect camera face --encoding jpeg:60\n"
                         "hivectl connect camera 'face-*' --share  divide the work",
             .operands = {Operand::sender, Operand::receiver},
-            .declare = declare};
+            .declare = with(declare, run)};
 }
 
 }  // namespace hivectl::connect_verb

@@ -1,11 +1,7 @@
 // hivectl connections: lists the connections, with the counters of both ends.
 #include "words/connections.hpp"
 #include "../verbs.hpp"
-#include "run/command_line.hpp"
-#include "run/session.hpp"
-#include "words/exit_code.hpp"
 #include "words/format.hpp"
-#include "words/output.hpp"
 #include "words/places.hpp"
 #include "words/targets.hpp"
 
@@ -94,11 +90,9 @@ int run(const std::vector<std::string>& words, Session& session)
     return outcome.exit_code();
 }
 
-Run declare(CommandLine& line, Session& session)
+void declare(CommandLine& line, std::vector<std::string>& names)
 {
-    auto names = std::make_shared<std::vector<std::string>>();
-    line.option("NAME", *names, "only connections of these drones or globs (default: all)");
-    return [names, &session] { return run(*names, session); };
+    line.option("NAME", names, "only connections of these drones or globs (default: all)");
 }
 
 }  // namespace
@@ -139,7 +133,7 @@ Verb verb()
             .timeout = "how long to wait for drones that do not answer (default 1)",
             .table = true,
             .operands = {Operand::drone},
-            .declare = declare};
+            .declare = with(declare, run)};
 }
 
 }  // namespace hivectl::connections_verb

@@ -2,12 +2,7 @@
 #include "../dash/site.hpp"
 #include "../dash/token.hpp"
 #include "../verbs.hpp"
-#include "run/command_line.hpp"
 #include "run/interrupt.hpp"
-#include "run/session.hpp"
-#include "words/exit_code.hpp"
-#include "words/output.hpp"
-#include "words/table.hpp"
 
 namespace hivectl::dash_verb {
 namespace {
@@ -16,7 +11,7 @@ using namespace std::chrono_literals;
 
 constexpr int usual_port = 7690;
 
-int run(int port, Session& session)
+int run(const int& port, Session& session)
 try {
     const auto home = session.application().home();
     hive::http::Server::Settings settings{.port = port,
@@ -42,11 +37,10 @@ try {
     throw hive::Error(hive::Errc::io, error.what(), "choose another port: hivectl dash --http PORT");
 }
 
-Run declare(CommandLine& line, Session& session)
+void declare(CommandLine& line, int& port)
 {
-    auto port = std::make_shared<int>(usual_port);
-    line.option("--http", *port, "port of the page on this machine (default 7690)").type_name("PORT").between(1, 65535);
-    return [port, &session] { return run(*port, session); };
+    port = usual_port;
+    line.option("--http", port, "port of the page on this machine (default 7690)").type_name("PORT").between(1, 65535);
 }
 
 }  // namespace
@@ -71,7 +65,7 @@ Verb verb()
                         "hivectl dash --http 8080",
             .timeout = "how long drones may take to answer a request of the page (default 5)",
             .operands = {},
-            .declare = declare};
+            .declare = with(declare, run)};
 }
 
 }  // namespace hivectl::dash_verb

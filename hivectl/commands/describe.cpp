@@ -1,11 +1,6 @@
 // hivectl describe: shows a drone's inputs, outputs and parameters.
 #include "../verbs.hpp"
-#include "run/command_line.hpp"
-#include "run/session.hpp"
-#include "words/exit_code.hpp"
-#include "words/output.hpp"
 #include "words/status_line.hpp"
-#include "words/table.hpp"
 #include "words/targets.hpp"
 
 namespace hivectl::describe_verb {
@@ -76,25 +71,20 @@ int run(const std::vector<std::string>& words, Session& session)
     Outcome outcome("describe");
     std::string gap;
     for (const auto& name : drones_named(application, words, outcome))
-        try {
+        outcome.request(name, [&] {
             const Waiting waiting(name + " to answer");
             const auto interface = application.describe(name);
             const auto values = application.get(name);
             write_out(session.json ? json_of(name, interface, values)
                                    : gap + text_of(name, interface, values, page_of(session.form())));
             gap = "\n";
-            outcome.done();
-        } catch (const hive::Error& error) {
-            outcome.failed(name, error);
-        }
+        });
     return outcome.exit_code();
 }
 
-Run declare(CommandLine& line, Session& session)
+void declare(CommandLine& line, std::vector<std::string>& names)
 {
-    auto names = std::make_shared<std::vector<std::string>>();
-    line.option("NAME", *names, "drones or globs").required();
-    return [names, &session] { return run(*names, session); };
+    line.option("NAME", names, "drones or globs").required();
 }
 
 }  // namespace
@@ -111,7 +101,7 @@ Verb verb()
                         "hivectl describe face --json | jq .parameters",
             .table = true,
             .operands = {Operand::drone},
-            .declare = declare};
+            .declare = with(declare, run)};
 }
 
 }  // namespace hivectl::describe_verb

@@ -1,10 +1,5 @@
 // hivectl devices: lists the V4L2 cameras of this machine, with formats, sizes and rates.
 #include "../verbs.hpp"
-#include "run/command_line.hpp"
-#include "run/session.hpp"
-#include "words/exit_code.hpp"
-#include "words/output.hpp"
-#include "words/table.hpp"
 #include "words/video_device.hpp"
 
 #include <hive/error.hpp>
@@ -60,12 +55,7 @@ int run(Session& session)
     Outcome outcome("devices");
     std::vector<Row> rows;
     for (const auto& path : paths())
-        try {
-            add_rows(rows, path);
-            outcome.done();
-        } catch (const hive::Error& error) {
-            outcome.failed(path, error);
-        }
+        outcome.request(path, [&] { add_rows(rows, path); });
     print_rows(session.form(),
                {{"DEVICE", "device"},
                 {"NAME", "name"},
@@ -77,11 +67,6 @@ int run(Session& session)
     if (rows.empty() && outcome.exit_code() == exit_code::done)
         complain("devices", "no V4L2 camera on this machine");
     return outcome.exit_code();
-}
-
-Run declare(CommandLine& /*line*/, Session& session)
-{
-    return [&session] { return run(session); };
 }
 
 }  // namespace
@@ -96,7 +81,7 @@ Verb verb()
                        "source=DEVICE format=MJPG width=1280 height=720 fps=30.",
             .examples = "hivectl devices",
             .table = true,
-            .declare = declare};
+            .declare = [](CommandLine&, Session& session) { return [&session] { return run(session); }; }};
 }
 
 }  // namespace hivectl::devices_verb

@@ -1,11 +1,6 @@
 // hivectl disconnect: removes a connection, or makes a source stop waiting for a receiver that is gone.
 #include "../verbs.hpp"
-#include "run/command_line.hpp"
-#include "run/session.hpp"
-#include "words/exit_code.hpp"
-#include "words/output.hpp"
 #include "words/status_line.hpp"
-#include "words/table.hpp"
 #include "words/targets.hpp"
 
 namespace hivectl::disconnect_verb {
@@ -22,26 +17,21 @@ int run(const Options& options, Session& session)
     const auto sender = application.endpoint(options.sender);
     Outcome outcome("disconnect");
     for (const auto& receiver : endpoints_named(application, options.receivers, outcome)) {
-        try {
+        outcome.request(to_text(receiver), [&] {
             const Waiting waiting(to_text(receiver) + " to disconnect");
             application.disconnect(sender, receiver);
-            outcome.done();
             const auto from = to_text(sender), to = to_text(receiver);
             write_out(session.json ? Row{{"from", from}, {"to", to}}.json() + "\n" : from + " -x- " + to + "\n");
-        } catch (const hive::Error& error) {
-            outcome.failed(to_text(receiver), error);
-        }
+        });
     }
     return outcome.exit_code();
 }
 
-Run declare(CommandLine& line, Session& session)
+void declare(CommandLine& line, Options& options)
 {
-    auto options = std::make_shared<Options>();
-    line.option("SENDER", options->sender, "drone or drone.output").required();
-    line.option("RECEIVER", options->receivers, "drones or drone.input, one or several; globs such as 'face-*'")
+    line.option("SENDER", options.sender, "drone or drone.output").required();
+    line.option("RECEIVER", options.receivers, "drones or drone.input, one or several; globs such as 'face-*'")
         .required();
-    return [options, &session] { return run(*options, session); };
 }
 
 }  // namespace
@@ -57,7 +47,7 @@ Verb verb()
             .examples = "hivectl disconnect camera face\n"
                         "hivectl disconnect camera 'face-*'",
             .operands = {Operand::sender, Operand::receiver},
-            .declare = declare};
+            .declare = with(declare, run)};
 }
 
 }  // namespace hivectl::disconnect_verb

@@ -1,13 +1,8 @@
 // hivectl down: stops the drones that a swarm brought up.
 #include "../verbs.hpp"
-#include "run/command_line.hpp"
 #include "run/interrupt.hpp"
-#include "run/session.hpp"
 #include "run/swarm_file.hpp"
 #include "run/swarm_work.hpp"
-#include "words/exit_code.hpp"
-#include "words/output.hpp"
-#include "words/table.hpp"
 
 #include <hive/swarm.hpp>
 
@@ -52,12 +47,10 @@ int run(const SwarmInput& input, Session& session)
     return code;
 }
 
-Run declare(CommandLine& line, Session& session)
+void declare(CommandLine& line, SwarmInput& input)
 {
-    auto input = std::make_shared<SwarmInput>();
-    line.option("FILE", input->file, "the swarm file (default: every swarm that was brought up from here)");
-    declare_variables(line, *input);
-    return [input, &session] { return run(*input, session); };
+    line.option("FILE", input.file, "the swarm file (default: every swarm that was brought up from here)");
+    declare_variables(line, input);
 }
 
 }  // namespace
@@ -76,7 +69,7 @@ Verb verb()
                         "hivectl down doorway.json",
             .timeout = "wait for events in flight, then drop them (default 10)",
             .operands = {Operand::file},
-            .declare = declare};
+            .declare = with(declare, run)};
 }
 
 }  // namespace hivectl::down_verb

@@ -1,14 +1,9 @@
 // hivectl exceptions: shows drones' exceptions, or sets their exception policy.
 #include "../verbs.hpp"
-#include "run/command_line.hpp"
 #include "run/exception_json.hpp"
 #include "run/kept_inputs.hpp"
 #include "run/printing.hpp"
-#include "run/session.hpp"
-#include "words/exit_code.hpp"
 #include "words/format.hpp"
-#include "words/output.hpp"
-#include "words/table.hpp"
 #include "words/targets.hpp"
 
 #include <algorithm>
@@ -101,17 +96,14 @@ int save(const std::vector<std::string>& drones, const Options& options, Session
     bool any = false;
     for (const auto& drone : drones)
         for (const auto& failure : session.application().failures(drone, true))
-            try {
+            outcome.request(drone, [&] {
                 any = true;
                 const auto files = save_failure(session.application(), failure, options.save);
-                outcome.done();
                 auto row = failure_row(failure);
                 write_out(session.json ? row.add("files", files).json() + "\n" : "");
                 for (const auto& file : session.json ? std::vector<std::string>() : files)
                     write_out(printable((std::filesystem::path(options.save) / file).string()) + "\n");
-            } catch (const hive::Error& error) {
-                outcome.failed(drone, error);
-            }
+            });
     if (!any)
         throw hive::Error(hive::Errc::not_found, "no input is kept on this machine of a drone that failed",
                           "see what went wrong: hivectl exceptions");
@@ -152,14 +144,11 @@ int change_policy(const Options& options, const std::vector<std::string>& drones
 {
     const auto policy = hive::from_token<hive::ExceptionPolicy>(options.policy, "--on-exception");
     for (const auto& drone : drones) {
-        try {
+        outcome.request(drone, [&] {
             session.application().exception_policy(drone, policy);
-            outcome.done();
             write_out(session.json ? Row{{"drone", drone}, {"on_exception", options.policy}}.json() + "\n"
                                    : drone + " " + options.policy + "\n");
-        } catch (const hive::Error& error) {
-            outcome.failed(drone, error);
-        }
+        });
     }
     return outcome.exit_code();
 }
@@ -181,28 +170,23 @@ int run(const Options& options, Session& session)
     return options.follow ? outcome.exit_code(follow(drones, options, session)) : show_last(drones, session, outcome);
 }
 
-Run declare(CommandLine& line, Session& session)
+void declare(CommandLine& line, Options& options)
 {
-    auto options = std::make_shared<Options>();
-    line.option("NAME", options->names, "drones or globs (default: all that run)");
-    const auto following = line.flag("-f,--follow", options->follow, "print exceptions as they happen, until Ctrl-C");
-    line.option("-n", options->count, "with --follow: exit after this many")
-        .type_name("N")
-        .between(std::int64_t{1}, std::int64_t{1} << 53)
-        .needs(following);
-    const auto saving = line.option("--save", options->save,
+    line.option("NAME", options.names, "drones or globs (default: all that run)");
+    const auto following = line.flag("-f,--follow", options.follow, "print exceptions as they happen, until Ctrl-C");
+    line.option("-n", options.count, "with --follow: exit after this many").count().needs(following);
+    const auto saving = line.option("--save", options.save,
                                     "write each kept input to this directory: NAME-NO.INPUT.jpg (.png, .txt, .bin), "
                                     "with a .json with its header and the failure; and NAME-NO.failure, the whole "
                                     "failure, for hivectl rerun; overwrites nothing")
                             .type_name("DIR")
                             .excludes(following);
-    line.option("--on-exception", options->policy,
+    line.option("--on-exception", options.policy,
                 "set the exception policy: skip the input and continue, or halt until resumed")
         .type_name("skip|halt")
         .one_of({"skip", "halt"})
         .excludes(following)
         .excludes(saving);
-    return [options, &session] { return run(*options, session); };
 }
 
 }  // namespace
@@ -228,7 +212,7 @@ Verb verb()
             "give up after this long (default 5); with --follow: after this long without an exception (default: never)",
         .table = true,
         .operands = {Operand::drone},
-        .declare = declare};
+        .declare = with(declare, run)};
 }
 
 }  // namespace hivectl::exceptions_verb

@@ -1,12 +1,7 @@
 // hivectl explain: shows why nothing arrives, or the rates.
 #include "../verbs.hpp"
-#include "run/command_line.hpp"
-#include "run/session.hpp"
-#include "words/exit_code.hpp"
 #include "words/format.hpp"
-#include "words/output.hpp"
 #include "words/status_line.hpp"
-#include "words/table.hpp"
 #include "words/targets.hpp"
 
 #include <hive/explain.hpp>
@@ -79,11 +74,9 @@ int run(const std::vector<std::string>& names, Session& session)
     return explanation.blocked() ? exit_code::found : exit_code::done;
 }
 
-Run declare(CommandLine& line, Session& session)
+void declare(CommandLine& line, std::vector<std::string>& names)
 {
-    auto names = std::make_shared<std::vector<std::string>>();
-    line.option("NAME", *names, "a drone or drone.output; or a sender and a receiver (default: all drones)");
-    return [names, &session] { return run(*names, session); };
+    line.option("NAME", names, "a drone or drone.output; or a sender and a receiver (default: all drones)");
 }
 
 }  // namespace
@@ -112,7 +105,7 @@ Verb verb()
         .timeout = "how long to wait for the answer of a drone (default 1)",
         .table = true,
         .operands = {Operand::sender, Operand::receiver},
-        .declare = declare};
+        .declare = with(declare, run)};
 }
 
 }  // namespace hivectl::explain_verb

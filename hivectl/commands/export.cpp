@@ -1,13 +1,9 @@
 // hivectl export: writes the running swarm as a swarm file, or for a service manager.
 #include "../verbs.hpp"
-#include "run/command_line.hpp"
-#include "run/session.hpp"
 #include "run/swarm_file.hpp"
-#include "words/exit_code.hpp"
-#include "words/output.hpp"
-#include "words/table.hpp"
 #include "words/targets.hpp"
 
+#include <hive/program.hpp>
 #include <hive/swarm.hpp>
 #include <hive/swarm_export.hpp>
 
@@ -70,10 +66,13 @@ void write_file(const std::filesystem::path& path, const hive::ExportedFile& fil
 void write_form(const hive::SwarmPlan& plan, const Options& options, bool json)
 {
     const auto programs = std::filesystem::read_symlink("/proc/self/exe").parent_path().string();
-    for (const auto& note : hive::export_notes(plan, options.form))
+    const hive::ExportOptions exporting{.programs = programs,
+                                        .image = options.image,
+                                        .metrics = options.metrics,
+                                        .interface_of = [](const auto& kind) { return hive::interface_of(kind); }};
+    for (const auto& note : hive::export_notes(plan, options.form, exporting))
         complain("export", note);
-    const auto files = hive::export_swarm(plan, options.form,
-                                          {.programs = programs, .image = options.image, .metrics = options.metrics});
+    const auto files = hive::export_swarm(plan, options.form, exporting);
     if (options.folder.empty() && files.size() > 1 && !json)
         throw hive::Error(hive::Errc::invalid_argument,
                           options.form + " takes " + std::to_string(files.size()) + " files",
@@ -114,26 +113,24 @@ int run(const Options& options, Session& session)
     return outcome.exit_code(exit_code::done);
 }
 
-Run declare(CommandLine& line, Session& session)
+void declare(CommandLine& line, Options& options)
 {
-    auto options = std::make_shared<Options>();
-    line.option("NAME", options->names, "only these drones or globs (default: all of the swarm, or all that run)");
-    line.option("--swarm", options->swarm, "the name of the swarm (default: the one that was brought up from here)")
+    line.option("NAME", options.names, "only these drones or globs (default: all of the swarm, or all that run)");
+    line.option("--swarm", options.swarm, "the name of the swarm (default: the one that was brought up from here)")
         .type_name("NAME");
-    declare_variables(line, options->from);
-    const auto form = line.option("--as", options->form,
+    declare_variables(line, options.from);
+    const auto form = line.option("--as", options.form,
                                   "output format: systemd units, a compose file, Kubernetes manifests, an sbatch "
                                   "script, or a shell script of hivectl commands")
                           .type_name("FORM")
                           .one_of(hive::export_forms());
-    line.option("--from", options->from.file, "write that swarm file instead of what runs; -: stdin").type_name("FILE");
-    line.option("--to", options->folder, "write the files of --as there, and print their names")
+    line.option("--from", options.from.file, "write that swarm file instead of what runs; -: stdin").type_name("FILE");
+    line.option("--to", options.folder, "write the files of --as there, and print their names")
         .type_name("FOLDER")
         .needs(form);
-    line.option("--image", options->image, "container image (default hive:latest)").type_name("NAME");
-    line.flag("--metrics", options->metrics, "with compose and kubernetes: add a container for hivectl metrics --http")
+    line.option("--image", options.image, "container image (default hive:latest)").type_name("NAME");
+    line.flag("--metrics", options.metrics, "with compose and kubernetes: add a container for hivectl metrics --http")
         .needs(form);
-    return [options, &session] { return run(*options, session); };
 }
 
 }  // namespace
@@ -155,7 +152,7 @@ Verb verb()
                     "hivectl export --from doorway.json --as systemd --to units\n"
                     "hivectl export --from doorway.json --as compose > compose.yaml",
         .operands = {Operand::drone},
-        .declare = declare};
+        .declare = with(declare, run)};
 }
 
 }  // namespace hivectl::export_verb

@@ -1,12 +1,7 @@
 // hivectl get: reads parameters.
 #include "../verbs.hpp"
-#include "run/command_line.hpp"
-#include "run/session.hpp"
-#include "words/exit_code.hpp"
-#include "words/output.hpp"
 #include "words/settings.hpp"
 #include "words/status_line.hpp"
-#include "words/table.hpp"
 #include "words/targets.hpp"
 
 namespace hivectl::get_verb {
@@ -50,14 +45,15 @@ int get_many(const Options& options, Session& session)
     return outcome.exit_code();
 }
 
-Run declare(CommandLine& line, Session& session)
+int run(const Options& options, Session& session)
 {
-    auto options = std::make_shared<Options>();
-    line.option("NAME", options->target, "a drone, or a glob such as 'face-*'").required();
-    line.option("PARAMETER", options->names, "which parameters (default: all)");
-    return [options, &session] {
-        return is_glob(options->target) ? get_many(*options, session) : get_one(*options, session);
-    };
+    return is_glob(options.target) ? get_many(options, session) : get_one(options, session);
+}
+
+void declare(CommandLine& line, Options& options)
+{
+    line.option("NAME", options.target, "a drone, or a glob such as 'face-*'").required();
+    line.option("PARAMETER", options.names, "which parameters (default: all)");
 }
 
 }  // namespace
@@ -75,7 +71,7 @@ Verb verb()
                         "hivectl get face\n"
                         "hivectl get 'face-*' scale",
             .operands = {Operand::drone, Operand::parameter},
-            .declare = declare};
+            .declare = with(declare, run)};
 }
 
 }  // namespace hivectl::get_verb

@@ -1,10 +1,6 @@
 // hivectl graph: prints the graph of the swarm.
 #include "../verbs.hpp"
-#include "run/command_line.hpp"
 #include "run/drawing.hpp"
-#include "run/session.hpp"
-#include "words/exit_code.hpp"
-#include "words/output.hpp"
 
 #include <hive/graph.hpp>
 
@@ -30,13 +26,11 @@ int run(const std::string& form, Session& session)
     return exit_code::done;
 }
 
-Run declare(CommandLine& line, Session& session)
+void declare(CommandLine& line, std::string& form)
 {
-    auto form = std::make_shared<std::string>("text");
-    line.option("--as", *form, "text (default), dot (for Graphviz), svg (drawn by Graphviz) or json")
+    line.option("--as", form, "text (default), dot (for Graphviz), svg (drawn by Graphviz) or json")
         .type_name("FORM")
         .one_of({"text", "dot", "svg", "json"});
-    return [form, &session] { return run(*form, session); };
 }
 
 }  // namespace
@@ -57,7 +51,7 @@ Verb verb()
                         "hivectl graph --as dot > swarm.dot",
             .timeout = "show a drone as silent if it has not answered by then (default 1)",
             .operands = {},
-            .declare = declare};
+            .declare = with(declare, run)};
 }
 
 }  // namespace hivectl::graph_verb

@@ -1,11 +1,6 @@
 // hivectl key: creates, rotates and shows the swarm's key file, and derives a read-only key for viewers.
 #include "../verbs.hpp"
-#include "run/command_line.hpp"
-#include "run/session.hpp"
-#include "words/exit_code.hpp"
 #include "words/format.hpp"
-#include "words/output.hpp"
-#include "words/table.hpp"
 
 #include <hive/remote.hpp>
 #include <hive/transport/folder_lock.hpp>
@@ -127,7 +122,7 @@ int show(const Options& options, const Session& session)
     return exit_code::done;
 }
 
-int run(const Options& options, const Session& session)
+int run(const Options& options, Session& session)
 {
     if (options.action == "new")
         return make(options, session);
@@ -136,23 +131,21 @@ int run(const Options& options, const Session& session)
     return options.action == "rotate" ? rotate(options, session) : show(options, session);
 }
 
-Run declare(CommandLine& line, Session& session)
+void declare(CommandLine& line, Options& options)
 {
-    auto options = std::make_shared<Options>();
-    line.option("ACTION", options->action,
+    line.option("ACTION", options.action,
                 "new: create the swarm's key; view: derive a read-only key; rotate: replace the key; show: list the "
                 "keys without their secrets")
         .required()
         .one_of({"new", "view", "rotate", "show"});
-    line.option("--file", options->file, "the key file (default: $HIVE_KEY, or ~/.config/hive/swarm.key)")
+    line.option("--file", options.file, "the key file (default: $HIVE_KEY, or ~/.config/hive/swarm.key)")
         .type_name("FILE");
-    line.option("-o,--output", options->output, "view: output file (default: viewer.key next to the swarm key)")
+    line.option("-o,--output", options.output, "view: output file (default: viewer.key next to the swarm key)")
         .type_name("FILE");
-    line.flag("--replace", options->replace, "view: replace an existing file");
-    line.option("--keep", options->keep_s, "rotate: how long the old key stays valid (default: 86400, a day)")
+    line.flag("--replace", options.replace, "view: replace an existing file");
+    line.option("--keep", options.keep_s, "rotate: how long the old key stays valid (default: 86400, a day)")
         .type_name("SECONDS")
         .seconds(0);
-    return [options, &session] { return run(*options, session); };
 }
 
 }  // namespace
@@ -173,7 +166,7 @@ Verb verb()
             .timeout = "has no effect here",
             .table = true,
             .operands = {Operand::other},
-            .declare = declare};
+            .declare = with(declare, run)};
 }
 
 }  // namespace hivectl::key_verb

@@ -1,14 +1,9 @@
 // hivectl logs: prints a drone's log, wherever it runs.
 #include "../verbs.hpp"
-#include "run/command_line.hpp"
 #include "run/interrupt.hpp"
 #include "run/remote_verb.hpp"
-#include "run/session.hpp"
-#include "words/exit_code.hpp"
-#include "words/output.hpp"
 #include "words/places.hpp"
 #include "words/status_line.hpp"
-#include "words/table.hpp"
 #include "words/targets.hpp"
 
 #include <hive/name.hpp>
@@ -102,19 +97,15 @@ int read_there(const hive::Place& place, const Options& options, Session& sessio
         throw hive::Error(hive::Errc::refused,
                           place.drone + " at " + place_text(place) + " was not started over ssh; its log is there",
                           "ask there: hivectl logs " + place.drone);
-    const hive::Remote remote(place.ssh, session.home());
     std::vector<std::string> words{"logs", place.drone, "-n", std::to_string(options.lines)};
     if (session.json)
         words.emplace_back("--json");
     if (options.follow) {
         words.emplace_back("--follow");
-        return remote.hivectl_attached(words);
+        return hive::Remote(place.ssh, session.home()).hivectl_attached(words);
     }
-    std::optional<Waiting> waiting("the log of " + place.drone + " on " + remote.host());
-    const auto result = remote.hivectl(words, session.timeout() + 12s);
-    waiting.reset();
+    const auto result = run_there(session, place, words, "the log of " + place.drone);
     write_out(result.out);
-    relay_errors("logs", remote.host(), result.err);
     return result.exit_code;
 }
 
@@ -131,15 +122,11 @@ int run(const Options& options, Session& session)
     return options.follow ? follow(file, read, options, session) : exit_code::done;
 }
 
-Run declare(CommandLine& line, Session& session)
+void declare(CommandLine& line, Options& options)
 {
-    auto options = std::make_shared<Options>();
-    line.option("NAME", options->name, "a drone, running or crashed").required();
-    line.option("-n", options->lines, "number of lines from the end (default 100)")
-        .type_name("N")
-        .between(1, 1'000'000);
-    line.flag("-f,--follow", options->follow, "keep printing new lines until Ctrl-C");
-    return [options, &session] { return run(*options, session); };
+    line.option("NAME", options.name, "a drone, running or crashed").required();
+    line.option("-n", options.lines, "number of lines from the end (default 100)").type_name("N").between(1, 1'000'000);
+    line.flag("-f,--follow", options.follow, "keep printing new lines until Ctrl-C");
 }
 
 }  // namespace
@@ -156,7 +143,7 @@ Verb verb()
             .examples = "hivectl logs face -n 5",
             .timeout = "how long to wait for the other machine (default 5), or to follow (default: forever)",
             .operands = {Operand::drone},
-            .declare = declare};
+            .declare = with(declare, run)};
 }
 
 }  // namespace hivectl::logs_verb

@@ -1,12 +1,8 @@
 // hivectl metrics: prints or serves the swarm's metrics for Prometheus.
 #include "../verbs.hpp"
-#include "run/command_line.hpp"
 #include "run/interrupt.hpp"
 #include "run/metrics_site.hpp"
-#include "run/session.hpp"
-#include "words/exit_code.hpp"
 #include "words/file_text.hpp"
-#include "words/output.hpp"
 #include "words/places.hpp"
 
 #include <hive/http/server.hpp>
@@ -107,29 +103,27 @@ int run(const Options& options, Session& session)
     return exit_code::done;
 }
 
-Run declare(CommandLine& line, Session& session)
+void declare(CommandLine& line, Options& options)
 {
-    auto options = std::make_shared<Options>();
     const auto form =
-        line.option("--as", options->form, "prometheus (default) or openmetrics; over HTTP the scraper chooses")
+        line.option("--as", options.form, "prometheus (default) or openmetrics; over HTTP the scraper chooses")
             .type_name("FORM")
             .one_of({"prometheus", "openmetrics"});
     const auto http =
-        line.option("--http", options->http, "serve /metrics at PORT of this machine, or at ADDRESS:PORT, until Ctrl-C")
+        line.option("--http", options.http, "serve /metrics at PORT of this machine, or at ADDRESS:PORT, until Ctrl-C")
             .type_name("PORT")
             .excludes(form);
-    const auto token = line.option("--token-file", options->token_file,
+    const auto token = line.option("--token-file", options.token_file,
                                    "file whose first line is the bearer token that scrapers must send")
                            .type_name("FILE")
                            .needs(http);
-    line.flag("--insecure", options->insecure,
+    line.flag("--insecure", options.insecure,
               "allow scrapes without a token from every machine that can reach the address")
         .needs(http)
         .excludes(token);
-    line.option("--place", options->places, "add the address of a drone on another machine, as hivectl place add does")
+    line.option("--place", options.places, "add the address of a drone on another machine, as hivectl place add does")
         .type_name("NAME=ADDRESS")
         .one_each();
-    return [options, &session] { return run(*options, session); };
 }
 
 }  // namespace
@@ -154,7 +148,7 @@ Verb verb()
                     "hivectl metrics --http 0.0.0.0:9464 --token-file metrics.token",
         .timeout = "how long to wait for the answer of a drone (default 1)",
         .operands = {},
-        .declare = declare};
+        .declare = with(declare, run)};
 }
 
 }  // namespace hivectl::metrics_verb

@@ -1,12 +1,7 @@
 // hivectl place: manages the addresses of drones on other machines.
 #include "../verbs.hpp"
-#include "run/command_line.hpp"
-#include "run/session.hpp"
-#include "words/exit_code.hpp"
 #include "words/format.hpp"
-#include "words/output.hpp"
 #include "words/places.hpp"
-#include "words/table.hpp"
 #include "words/targets.hpp"
 
 #include <hive/name.hpp>
@@ -110,15 +105,12 @@ int remove(const Options& options, Session& session)
     auto& application = session.application();
     Outcome outcome("place");
     for (const auto& word : options.words)
-        try {
+        outcome.request(word, [&] {
             for (const auto& place : meant_by(word, application)) {
                 application.forget_place(place);
                 write_out(session.json ? row_of(place).json() + "\n" : place.drone + "\n");
             }
-            outcome.done();
-        } catch (const hive::Error& error) {
-            outcome.failed(word, error);
-        }
+        });
     return outcome.exit_code();
 }
 
@@ -131,12 +123,10 @@ int run(const Options& options, Session& session)
                                      : remove(options, session);
 }
 
-Run declare(CommandLine& line, Session& session)
+void declare(CommandLine& line, Options& options)
 {
-    auto options = std::make_shared<Options>();
-    line.option("ACTION", options->action, "add, list or remove").required().one_of({"add", "list", "remove"});
-    line.option("WORD", options->words, "for add: a name and an address; for remove: names, NAME@HOST, or globs");
-    return [options, &session] { return run(*options, session); };
+    line.option("ACTION", options.action, "add, list or remove").required().one_of({"add", "list", "remove"});
+    line.option("WORD", options.words, "for add: a name and an address; for remove: names, NAME@HOST, or globs");
 }
 
 }  // namespace
@@ -155,7 +145,7 @@ Verb verb()
             .timeout = "how long to wait for the added drone (default 2)",
             .table = true,
             .operands = {Operand::other, Operand::drone},
-            .declare = declare};
+            .declare = with(declare, run)};
 }
 
 }  // namespace hivectl::place_verb

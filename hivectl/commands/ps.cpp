@@ -1,14 +1,9 @@
 // hivectl ps: lists the running drones and their state.
 #include "../verbs.hpp"
-#include "run/command_line.hpp"
 #include "run/exception_json.hpp"
-#include "run/session.hpp"
 #include "words/activity.hpp"
-#include "words/exit_code.hpp"
 #include "words/format.hpp"
-#include "words/output.hpp"
 #include "words/places.hpp"
-#include "words/table.hpp"
 #include "words/targets.hpp"
 
 #include <hive/name.hpp>
@@ -75,14 +70,21 @@ std::string silence_note(const hive::StatusAnswer& answer)
     return answered_text(answer.place) + "; " + answer.error->what();
 }
 
+/// A drone without a status.
+Row absent_row(const std::string& drone, const std::string& host, const char* state, const std::string& note)
+{
+    return Row{{"name", drone},  {"host", host},         {"kind", nullptr},         {"state", state},
+               {"pid", nullptr}, {"uptime_us", nullptr}, {"busy_percent", nullptr}, {"note", note}};
+}
+
 Row silent_row(const hive::StatusAnswer& answer)
 {
     const bool silent = answer.error->code() == hive::Errc::timeout;
-    return Row{
-        {"name", answer.drone},    {"host", answer.place.host},
-        {"kind", nullptr},         {"state", is_elsewhere(answer.place) ? "unreachable" : silent ? "silent" : "gone"},
-        {"pid", nullptr},          {"uptime_us", nullptr},
-        {"busy_percent", nullptr}, {"note", silence_note(answer)}};
+    return absent_row(answer.drone, answer.place.host,
+                      is_elsewhere(answer.place) ? "unreachable"
+                      : silent                   ? "silent"
+                                                 : "gone",
+                      silence_note(answer));
 }
 
 Row row_of(const hive::StatusAnswer& answer)
@@ -129,15 +131,9 @@ std::string rerun_text(hive::Application& application, const hive::CrashedDrone&
 
 Row crashed_row(hive::Application& application, const hive::CrashedDrone& crash)
 {
-    return Row{{"name", crash.drone},
-               {"host", hive::Place::here},
-               {"kind", nullptr},
-               {"state", "crashed"},
-               {"pid", nullptr},
-               {"uptime_us", nullptr},
-               {"busy_percent", nullptr},
-               {"note", "at " + time_text(crash.time_us) + ": " + crash_text(crash) + rerun_text(application, crash)},
-               {"crash", crash_json(crash)}};
+    return absent_row(crash.drone, hive::Place::here, "crashed",
+                      "at " + time_text(crash.time_us) + ": " + crash_text(crash) + rerun_text(application, crash))
+        .add("crash", crash_json(crash));
 }
 
 /// Without a crash, the last line of the log is the best explanation.
@@ -153,11 +149,9 @@ std::string last_cause(const hive::FailedDrone& failed, const hive::CrashedDrone
 Row failed_row(const hive::FailedDrone& failed, const hive::CrashedDrone* crash)
 {
     const auto cause = last_cause(failed, crash);
-    return Row{{"name", failed.drone},    {"host", hive::Place::here},
-               {"kind", nullptr},         {"state", "failed"},
-               {"pid", nullptr},          {"uptime_us", nullptr},
-               {"busy_percent", nullptr}, {"note", failed.reason + (cause.empty() ? "" : ": " + cause)},
-               {"log", failed.log},       {"crash", crash ? crash_json(*crash) : hive::Json()}};
+    return absent_row(failed.drone, hive::Place::here, "failed", failed.reason + (cause.empty() ? "" : ": " + cause))
+        .add("log", failed.log)
+        .add("crash", crash ? crash_json(*crash) : hive::Json());
 }
 
 bool is_meant(const std::string& drone, const std::vector<std::string>& words)
@@ -225,11 +219,9 @@ int run(const std::vector<std::string>& words, Session& session)
     return outcome.exit_code();
 }
 
-Run declare(CommandLine& line, Session& session)
+void declare(CommandLine& line, std::vector<std::string>& names)
 {
-    auto names = std::make_shared<std::vector<std::string>>();
-    line.option("NAME", *names, "only these drones or globs (default: all)");
-    return [names, &session] { return run(*names, session); };
+    line.option("NAME", names, "only these drones or globs (default: all)");
 }
 
 }  // namespace
@@ -257,7 +249,7 @@ Verb verb()
             .timeout = "show a drone as silent if it has not answered by then (default 1)",
             .table = true,
             .operands = {Operand::drone},
-            .declare = declare};
+            .declare = with(declare, run)};
 }
 
 }  // namespace hivectl::ps_verb

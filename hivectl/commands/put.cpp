@@ -1,13 +1,8 @@
 // hivectl put: sends one file to a drone.
 #include "../verbs.hpp"
-#include "run/command_line.hpp"
-#include "run/session.hpp"
-#include "words/exit_code.hpp"
 #include "words/file_text.hpp"
 #include "words/media_type.hpp"
-#include "words/output.hpp"
 #include "words/status_line.hpp"
-#include "words/table.hpp"
 #include "words/targets.hpp"
 
 namespace hivectl::put_verb {
@@ -49,16 +44,14 @@ int run(const Options& options, Session& session)
     return exit_code::done;
 }
 
-Run declare(CommandLine& line, Session& session)
+void declare(CommandLine& line, Options& options)
 {
-    auto options = std::make_shared<Options>();
-    line.option("NAME", options->to, "drone or drone.input; the input may be left out when only one takes the type")
+    line.option("NAME", options.to, "drone or drone.input; the input may be left out when only one takes the type")
         .required();
-    line.option("FILE", options->file, "what to send; - is stdin (then --type is needed)").required();
-    line.option("--type", options->type, "media type (default: by extension: .jpg .png .bmp .json .txt ...)")
+    line.option("FILE", options.file, "what to send; - is stdin (then --type is needed)").required();
+    line.option("--type", options.type, "media type (default: by extension: .jpg .png .bmp .json .txt ...)")
         .type_name("TYPE");
-    line.option("--header", options->header, "a JSON object to go with it").type_name("JSON");
-    return [options, &session] { return run(*options, session); };
+    line.option("--header", options.header, "a JSON object to go with it").type_name("JSON");
 }
 
 }  // namespace
@@ -73,7 +66,7 @@ Verb verb()
             .examples = "hivectl put face photo.jpg\n"
                         "hivectl put face.image - --type image/png < photo.png",
             .operands = {Operand::receiver, Operand::file},
-            .declare = declare};
+            .declare = with(declare, run)};
 }
 
 }  // namespace hivectl::put_verb

@@ -1,17 +1,12 @@
 // hivectl record: records outputs into a file, and reports missing events.
 #include "../verbs.hpp"
-#include "run/command_line.hpp"
 #include "run/interrupt.hpp"
 #include "run/printing.hpp"
-#include "run/session.hpp"
 #include "run/silence.hpp"
-#include "words/exit_code.hpp"
 #include "words/format.hpp"
 #include "words/losses.hpp"
-#include "words/output.hpp"
 #include "words/progress.hpp"
 #include "words/status_line.hpp"
-#include "words/table.hpp"
 #include "words/targets.hpp"
 
 #include <hive/recording/event_record.hpp>
@@ -56,11 +51,7 @@ std::vector<hive::Endpoint> outputs_of(hive::Application& application, const std
 {
     std::vector<std::string> words;
     for (const auto& name : names)
-        try {
-            add_new(words, words_of(application, name));
-        } catch (const hive::Error& error) {
-            outcome.failed(name, error);
-        }
+        outcome.attempt(name, [&] { add_new(words, words_of(application, name)); });
     return outputs_named(application, words, "", outcome);
 }
 
@@ -187,31 +178,27 @@ int run(const Options& options, Session& session)
     return outcome.exit_code(exit_code_for(code, writer));
 }
 
-Run declare(CommandLine& line, Session& session)
+void declare(CommandLine& line, Options& options)
 {
-    auto options = std::make_shared<Options>();
-    line.option("NAME", options->names, "drones (all of their outputs), drone.output, or globs").required();
-    line.option("-o,--output", options->file, "the file to write").type_name("FILE").required();
-    line.option("-n", options->count, "end after this many events")
-        .type_name("N")
-        .between(std::int64_t{1}, std::int64_t{1} << 53);
-    line.option("--for", options->seconds, "end after this long").type_name("SECONDS").seconds();
-    line.option("--max-size", options->max_size, "end before the file grows larger")
+    line.option("NAME", options.names, "drones (all of their outputs), drone.output, or globs").required();
+    line.option("-o,--output", options.file, "the file to write").type_name("FILE").required();
+    line.option("-n", options.count, "end after this many events").count();
+    line.option("--for", options.seconds, "end after this long").type_name("SECONDS").seconds();
+    line.option("--max-size", options.max_size, "end before the file grows larger")
         .type_name("MB")
         .megabytes(0.001, 1e9);
-    line.flag("--stay", options->stay, "keep waiting after every source has ended");
-    line.flag("--overwrite", options->overwrite, "replace the file if it is there");
-    const auto notify = line.flag("--notify", options->notify, "headers without bodies");
-    const auto stream = line.flag("--stream", options->stream,
+    line.flag("--stay", options.stay, "keep waiting after every source has ended");
+    line.flag("--overwrite", options.overwrite, "replace the file if it is there");
+    const auto notify = line.flag("--notify", options.notify, "headers without bodies");
+    const auto stream = line.flag("--stream", options.stream,
                                   "receive every event through the sender's queue, which drops events when full");
-    line.option("--window", options->window, "events to request ahead; further ones are skipped (default 64)")
+    line.option("--window", options.window, "events to request ahead; further ones are skipped (default 64)")
         .type_name("N")
         .between(1, 64)
         .excludes(stream);
-    line.option("--encoding", options->encoding, "image encoding: raw, png, jpeg or jpeg:QUALITY (default: unchanged)")
+    line.option("--encoding", options.encoding, "image encoding: raw, png, jpeg or jpeg:QUALITY (default: unchanged)")
         .type_name("NAME")
         .excludes(notify);
-    return [options, &session] { return run(*options, session); };
 }
 
 }  // namespace
@@ -231,7 +218,7 @@ Verb verb()
                         "hivectl record '*' -o headers.hive --notify -n 1000",
             .timeout = "give up after this long without an event (default: never)",
             .operands = {Operand::sender},
-            .declare = declare};
+            .declare = with(declare, run)};
 }
 
 }  // namespace hivectl::record_verb

@@ -1,8 +1,6 @@
 // hivectl replace: replaces a running drone with a new process.
 #include "../verbs.hpp"
-#include "run/command_line.hpp"
 #include "run/launch.hpp"
-#include "run/session.hpp"
 #include "words/settings.hpp"
 
 namespace hivectl::replace_verb {
@@ -20,20 +18,18 @@ int run(const Options& options, Session& session)
     return start_in_background(session, start_options(session, "replace", std::move(order)), hive::replace);
 }
 
-Run declare(CommandLine& line, Session& session)
+void declare(CommandLine& line, Options& options)
 {
-    auto options = std::make_shared<Options>();
-    line.option("NAME", options->order.name, "the drone that is replaced").required();
-    line.option("key=value", options->settings, "parameters for the new process, in addition to the old ones");
-    line.option("--kind", options->order.kind,
+    line.option("NAME", options.order.name, "the drone that is replaced").required();
+    line.option("key=value", options.settings, "parameters for the new process, in addition to the old ones");
+    line.option("--kind", options.order.kind,
                 "the new KIND, or a Python file, FILE.py (default: the same as the old drone)")
         .type_name("KIND");
-    line.flag("--lose-state", options->order.lose_state,
+    line.flag("--lose-state", options.order.lose_state,
               "replace even a stateful drone; the new one starts without its state");
-    line.flag("--force", options->order.force,
+    line.flag("--force", options.order.force,
               "kill a drone that does not answer, and start a new one with its parameters and connections");
-    declare_fields(line, options->order);
-    return [options, &session] { return run(*options, session); };
+    declare_fields(line, options.order);
 }
 
 }  // namespace
@@ -66,7 +62,7 @@ Verb verb()
                     "hivectl replace face-1 --force",
         .timeout = "stop the new process if it is not ready by then (default 10)",
         .operands = {Operand::drone, Operand::setting},
-        .declare = declare};
+        .declare = with(declare, run)};
 }
 
 }  // namespace hivectl::replace_verb

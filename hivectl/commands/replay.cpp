@@ -1,12 +1,7 @@
 // hivectl replay: starts a drone that plays a recording, or describes the recording.
 #include "../verbs.hpp"
-#include "run/command_line.hpp"
 #include "run/launch.hpp"
-#include "run/session.hpp"
-#include "words/exit_code.hpp"
 #include "words/format.hpp"
-#include "words/output.hpp"
-#include "words/table.hpp"
 
 #include <hive/recording/reader.hpp>
 
@@ -108,22 +103,20 @@ int run(const Options& options, Session& session)
     return start_in_background(session, start_options(session, "replay", order_of(options)));
 }
 
-Run declare(CommandLine& line, Session& session)
+void declare(CommandLine& line, Options& options)
 {
-    auto options = std::make_shared<Options>();
-    line.option("FILE", options->file, "the recording").required();
-    line.option("--as", options->name, "name of the drone in the swarm (default: replay)").type_name("NAME");
-    line.option("--pace", options->pace,
+    line.option("FILE", options.file, "the recording").required();
+    line.option("--as", options.name, "name of the drone in the swarm (default: replay)").type_name("NAME");
+    line.option("--pace", options.pace,
                 "real: recorded timing (default); demand: next event when all receivers ask, none skipped")
         .type_name("real|demand")
         .one_of({"real", "demand"});
-    line.option("--speed", options->speed, "playback speed, 1: as recorded").type_name("FACTOR").between(0.01, 1000.0);
-    line.option("--from", options->from, "start at this offset").type_name("SECONDS").seconds(0);
-    line.option("--to", options->to, "end there").type_name("SECONDS").seconds();
-    line.flag("--loop", options->loop, "repeat at the end");
-    line.flag("--halted", options->halted, "wait for hivectl resume, so that everything can be connected first");
-    line.flag("--info", options->info, "print what is in the file, and start nothing");
-    return [options, &session] { return run(*options, session); };
+    line.option("--speed", options.speed, "playback speed, 1: as recorded").type_name("FACTOR").between(0.01, 1000.0);
+    line.option("--from", options.from, "start at this offset").type_name("SECONDS").seconds(0);
+    line.option("--to", options.to, "end there").type_name("SECONDS").seconds();
+    line.flag("--loop", options.loop, "repeat at the end");
+    line.flag("--halted", options.halted, "wait for hivectl resume, so that everything can be connected first");
+    line.flag("--info", options.info, "print what is in the file, and start nothing");
 }
 
 }  // namespace
@@ -145,7 +138,7 @@ Verb verb()
             .timeout = "stop it if it does not answer in time (default 10)",
             .table = true,
             .operands = {Operand::file},
-            .declare = declare};
+            .declare = with(declare, run)};
 }
 
 }  // namespace hivectl::replay_verb

@@ -1,15 +1,10 @@
 // hivectl rerun: feeds the inputs at which a drone failed to a fresh drone.
 #include "../verbs.hpp"
-#include "run/command_line.hpp"
 #include "run/interrupt.hpp"
 #include "run/kept_inputs.hpp"
-#include "run/session.hpp"
-#include "words/exit_code.hpp"
 #include "words/format.hpp"
-#include "words/output.hpp"
 #include "words/settings.hpp"
 #include "words/status_line.hpp"
-#include "words/table.hpp"
 
 #include <hive/rerun.hpp>
 
@@ -147,37 +142,35 @@ int run(const Options& options, Session& session)
     return passed ? exit_code::done : exit_code::found;
 }
 
-Run declare(CommandLine& line, Session& session)
+void declare(CommandLine& line, Options& options)
 {
-    auto options = std::make_shared<Options>();
-    line.option("NAME", options->name,
+    line.option("NAME", options.name,
                 "a drone that failed, running or not; or a file of --save: NAME.failure, or a path with a slash")
         .required();
-    line.option("words", options->words,
+    line.option("words", options.words,
                 "NO: number of the failure in hivectl exceptions (default: the newest); key=value: parameters of the "
                 "new drone, in addition to those of NAME");
     const auto kind =
-        line.option("--kind", options->kind, "KIND of the new drone, or a Python file, FILE.py (default: that of NAME)")
+        line.option("--kind", options.kind, "KIND of the new drone, or a Python file, FILE.py (default: that of NAME)")
             .type_name("KIND");
     const auto program =
-        line.option("--program", options->program, "run this program instead, such as another build").type_name("PATH");
+        line.option("--program", options.program, "run this program instead, such as another build").type_name("PATH");
     const auto under =
         line.option(
-                "--under", options->under,
+                "--under", options.under,
                 "run the drone under this command at this terminal, such as \"gdb --args\" or \"valgrind\", without "
                 "--timeout; it gets the input once it is ready")
             .type_name("WORDS");
-    line.option("--on", options->on,
+    line.option("--on", options.on,
                 "the failure is kept on this machine, as ssh names it (default: this one, or the one on which "
                 "NAME was started with --on)")
         .type_name("HOST");
-    line.option("--save", options->save,
+    line.option("--save", options.save,
                 "run nothing; write the failure to this file, which is enough to rerun it anywhere (-: stdout)")
         .type_name("FILE")
         .excludes(kind)
         .excludes(program)
         .excludes(under);
-    return [options, &session] { return run(*options, session); };
 }
 
 }  // namespace
@@ -206,7 +199,7 @@ Verb verb()
                         "hivectl rerun face 3 --program build/debug/bin/hive-face scale=1.2",
             .timeout = "how long the drone may take to become ready, and then to finish (default 30)",
             .operands = {Operand::failed_drone, Operand::other},
-            .declare = declare};
+            .declare = with(declare, run)};
 }
 
 }  // namespace hivectl::rerun_verb

@@ -1,16 +1,11 @@
 // hivectl results: prints the results of drones, one JSON object per line.
 #include "../verbs.hpp"
-#include "run/command_line.hpp"
 #include "run/printing.hpp"
 #include "run/result_format.hpp"
-#include "run/session.hpp"
 #include "run/silence.hpp"
-#include "words/exit_code.hpp"
 #include "words/losses.hpp"
-#include "words/output.hpp"
 #include "words/progress.hpp"
 #include "words/status_line.hpp"
-#include "words/table.hpp"
 #include "words/targets.hpp"
 
 #include <algorithm>
@@ -124,30 +119,26 @@ int run(const Options& options, Session& session)
     return outcome.exit_code(code == exit_code::done && broken ? exit_code::partly_done : code);
 }
 
-Run declare(CommandLine& line, Session& session)
+void declare(CommandLine& line, Options& options)
 {
-    auto options = std::make_shared<Options>();
-    line.option("NAME", options->names, "drones, drone.output, or globs; omit the output if only one is JSON")
+    line.option("NAME", options.names, "drones, drone.output, or globs; omit the output if only one is JSON")
         .required();
-    line.option("-n", options->count, "end after this many")
-        .type_name("N")
-        .between(std::int64_t{1}, std::int64_t{1} << 53);
-    line.option("--as", options->as, "json (default), csv, coco or yolo: boxes for other tools")
+    line.option("-n", options.count, "end after this many").count();
+    line.option("--as", options.as, "json (default), csv, coco or yolo: boxes for other tools")
         .type_name("FORM")
         .one_of({"json", "csv", "coco", "yolo"});
-    line.option("-o,--output", options->folder, "with --as coco or yolo: new folder for the files").type_name("FOLDER");
-    line.option("--fields", options->fields, "with --as csv: header fields instead of boxes, one line per result")
+    line.option("-o,--output", options.folder, "with --as coco or yolo: new folder for the files").type_name("FOLDER");
+    line.option("--fields", options.fields, "with --as csv: header fields instead of boxes, one line per result")
         .type_name("FIELD,...");
-    line.flag("--ordered", options->ordered, "print results in capture order, even if several drones share the work");
-    line.flag("--notify", options->notify, "receive headers only, so that the drone need not make the bodies");
-    line.flag("--stay", options->stay, "keep waiting after every source has ended");
+    line.flag("--ordered", options.ordered, "print results in capture order, even if several drones share the work");
+    line.flag("--notify", options.notify, "receive headers only, so that the drone need not make the bodies");
+    line.flag("--stay", options.stay, "keep waiting after every source has ended");
     const auto sync =
-        line.flag("--sync", options->sync, "after printing a result, get the newest one and skip those in between");
-    line.option("--window", options->window, "results to request ahead; further ones are skipped (default 64)")
+        line.flag("--sync", options.sync, "after printing a result, get the newest one and skip those in between");
+    line.option("--window", options.window, "results to request ahead; further ones are skipped (default 64)")
         .type_name("N")
         .between(1, 64)
         .excludes(sync);
-    return [options, &session] { return run(*options, session); };
 }
 
 }  // namespace
@@ -175,7 +166,7 @@ Verb verb()
                         "hivectl results face -n 5 --as csv --fields width,faces.0.x",
             .timeout = "give up after this long without a result (default: never)",
             .operands = {Operand::sender},
-            .declare = declare};
+            .declare = with(declare, run)};
 }
 
 }  // namespace hivectl::results_verb

@@ -1,16 +1,11 @@
 // hivectl save: writes the images of a drone to a video or a folder.
 #include "../verbs.hpp"
-#include "run/command_line.hpp"
 #include "run/interrupt.hpp"
 #include "run/launch.hpp"
-#include "run/session.hpp"
 #include "run/silence.hpp"
-#include "words/exit_code.hpp"
 #include "words/format.hpp"
-#include "words/output.hpp"
 #include "words/progress.hpp"
 #include "words/status_line.hpp"
-#include "words/table.hpp"
 #include "words/targets.hpp"
 
 #include <algorithm>
@@ -150,20 +145,16 @@ int run(const Options& options, Session& session)
     return fail("save", hive::Errc::timeout, "the file was not completed in time; it holds what came before");
 }
 
-Run declare(CommandLine& line, Session& session)
+void declare(CommandLine& line, Options& options)
 {
-    auto options = std::make_shared<Options>();
-    line.option("NAME", options->from, "drone or drone.output; omit the output if only one sends images").required();
-    line.option("FILE", options->file, "a video (.mp4 .mov .mkv .avi), or a folder of pictures (NAME/)").required();
-    line.option("-n", options->count, "end after this many pictures")
-        .type_name("N")
-        .between(std::int64_t{1}, std::int64_t{2'000'000'000});
-    line.option("--fps", options->fps, "write at this rate (default: keep the time of each image)")
+    line.option("NAME", options.from, "drone or drone.output; omit the output if only one sends images").required();
+    line.option("FILE", options.file, "a video (.mp4 .mov .mkv .avi), or a folder of pictures (NAME/)").required();
+    line.option("-n", options.count, "end after this many pictures").count(2'000'000'000);
+    line.option("--fps", options.fps, "write at this rate (default: keep the time of each image)")
         .type_name("FPS")
         .between(0.0, 1000.0);
-    line.option("--quality", options->quality, "of the pictures (default 80)").type_name("1-100").between(1, 100);
-    line.flag("--overwrite", options->overwrite, "replace the file if it is there");
-    return [options, &session] { return run(*options, session); };
+    line.option("--quality", options.quality, "of the pictures (default 80)").type_name("1-100").between(1, 100);
+    line.flag("--overwrite", options.overwrite, "replace the file if it is there");
 }
 
 }  // namespace
@@ -181,7 +172,7 @@ Verb verb()
                         "hivectl save camera pictures/ -n 100",
             .timeout = "give up if a drone does not answer in time (default 10)",
             .operands = {Operand::sender, Operand::file},
-            .declare = declare};
+            .declare = with(declare, run)};
 }
 
 }  // namespace hivectl::save_verb

@@ -1,21 +1,15 @@
 // hivectl schema: prints the JSON Schema of swarm files, for editors.
 #include "../verbs.hpp"
-#include "run/command_line.hpp"
-#include "run/session.hpp"
-#include "words/exit_code.hpp"
-#include "words/output.hpp"
 
 #include <hive/swarm_plan.hpp>
 
 namespace hivectl::schema_verb {
 namespace {
 
-Run declare(CommandLine&, Session&)
+int print()
 {
-    return [] {
-        write_out(hive::swarm_schema());
-        return exit_code::done;
-    };
+    write_out(hive::swarm_schema());
+    return exit_code::done;
 }
 
 }  // namespace
@@ -30,7 +24,7 @@ Verb verb()
                        "you type, in any editor that supports JSON Schema.",
             .examples = "hivectl schema > swarm.schema.json",
             .operands = {Operand::other},
-            .declare = declare};
+            .declare = [](CommandLine&, Session&) { return print; }};
 }
 
 }  // namespace hivectl::schema_verb

@@ -1,18 +1,11 @@
 // hivectl set: changes parameters of one drone, or of many at once.
 #include "../verbs.hpp"
-#include "run/command_line.hpp"
 #include "run/interrupt.hpp"
 #include "run/remote_verb.hpp"
-#include "run/session.hpp"
-#include "words/exit_code.hpp"
-#include "words/output.hpp"
 #include "words/places.hpp"
 #include "words/settings.hpp"
 #include "words/status_line.hpp"
-#include "words/table.hpp"
 #include "words/targets.hpp"
-
-#include <hive/remote.hpp>
 
 #include <set>
 
@@ -29,16 +22,13 @@ struct Options {
 /// Runs the same command on the drone's machine, at its local socket: a user who can log in there is an operator.
 int set_there(const hive::Place& place, const Options& options, Session& session)
 {
-    const hive::Remote remote(place.ssh, session.home());
-    const auto limit = session.timeout();
     std::vector<std::string> words{"set", place.drone, "--timeout",
-                                   std::to_string(std::max<std::int64_t>(1, limit / 1s))};
+                                   std::to_string(std::max<std::int64_t>(1, session.timeout() / 1s))};
     if (session.json)
         words.emplace_back("--json");
     words.insert(words.end(), options.settings.begin(), options.settings.end());
-    const auto result = remote.hivectl(words, limit + 12s);
+    const auto result = run_there(session, place, words, place.drone + " to answer");
     write_out(result.out);
-    relay_errors("set", remote.host(), result.err);
     return result.exit_code;
 }
 
@@ -87,15 +77,16 @@ int set_many(const Options& options, const hive::Json& settings, Session& sessio
                                                             : outcome.exit_code();
 }
 
-Run declare(CommandLine& line, Session& session)
+int run(const Options& options, Session& session)
 {
-    auto options = std::make_shared<Options>();
-    line.option("NAME", options->target, "a drone, or a glob such as 'face-*'").required();
-    line.option("key=value", options->settings, "parameters and their new values").required();
-    return [options, &session] {
-        const auto settings = parse_settings(options->settings);
-        return is_glob(options->target) ? set_many(*options, settings, session) : set_one(*options, settings, session);
-    };
+    const auto settings = parse_settings(options.settings);
+    return is_glob(options.target) ? set_many(options, settings, session) : set_one(options, settings, session);
+}
+
+void declare(CommandLine& line, Options& options)
+{
+    line.option("NAME", options.target, "a drone, or a glob such as 'face-*'").required();
+    line.option("key=value", options.settings, "parameters and their new values").required();
 }
 
 }  // namespace
@@ -117,7 +108,7 @@ Verb verb()
             .examples = "hivectl set face scale=1.05 min_size=40\n"
                         "hivectl set 'face-*' scale=1.05",
             .operands = {Operand::drone, Operand::setting},
-            .declare = declare};
+            .declare = with(declare, run)};
 }
 
 }  // namespace hivectl::set_verb

@@ -1,14 +1,9 @@
 // hivectl snap: saves one image.
 #include "../verbs.hpp"
-#include "run/command_line.hpp"
-#include "run/session.hpp"
 #include "run/silence.hpp"
-#include "words/exit_code.hpp"
 #include "words/media_type.hpp"
-#include "words/output.hpp"
 #include "words/raw_image.hpp"
 #include "words/status_line.hpp"
-#include "words/table.hpp"
 #include "words/targets.hpp"
 
 #include <hive/platform/whole_file.hpp>
@@ -122,12 +117,10 @@ int run(const Options& options, Session& session)
     return exit_code::done;
 }
 
-Run declare(CommandLine& line, Session& session)
+void declare(CommandLine& line, Options& options)
 {
-    auto options = std::make_shared<Options>();
-    line.option("NAME", options->from, "drone or drone.output; omit the output if only one sends images").required();
-    line.option("FILE", options->file, "file; - is stdout").required();
-    return [options, &session] { return run(*options, session); };
+    line.option("NAME", options.from, "drone or drone.output; omit the output if only one sends images").required();
+    line.option("FILE", options.file, "file; - is stdout").required();
 }
 
 }  // namespace
@@ -144,7 +137,7 @@ Verb verb()
             .examples = "hivectl snap camera now.jpg\n"
                         "hivectl snap face.annotated faces.png",
             .operands = {Operand::sender, Operand::file},
-            .declare = declare};
+            .declare = with(declare, run)};
 }
 
 }  // namespace hivectl::snap_verb

@@ -1,8 +1,6 @@
 // hivectl start: runs a drone in the background and returns when it answers.
 #include "../verbs.hpp"
-#include "run/command_line.hpp"
 #include "run/launch.hpp"
-#include "run/session.hpp"
 #include "words/settings.hpp"
 
 #include <hive/connection_option.hpp>
@@ -29,36 +27,34 @@ int run(const Options& options, Session& session)
     return start_in_background(session, wanted);
 }
 
-Run declare(CommandLine& line, Session& session)
+void declare(CommandLine& line, Options& options)
 {
-    auto options = std::make_shared<Options>();
-    line.option("KIND", options->order.kind,
+    line.option("KIND", options.order.kind,
                 "the program hive-KIND next to hivectl, in $HIVE_DRONE_PATH or in $PATH; or a Python file, FILE.py, "
                 "run by $HIVE_PYTHON or by the first python3 that has its imports")
         .required();
-    line.option("key=value", options->settings, "initial parameters");
-    line.option("--as", options->order.name, "its name in the swarm (default: KIND, or FILE without .py)")
+    line.option("key=value", options.settings, "initial parameters");
+    line.option("--as", options.order.name, "its name in the swarm (default: KIND, or FILE without .py)")
         .type_name("NAME");
-    line.option("--on", options->on,
+    line.option("--on", options.on,
                 "start it on this machine over ssh: HOST, USER@HOST, or an ssh host alias; listens at tcp://0.0.0.0 "
                 "without --listen")
         .type_name("HOST");
-    line.flag("--if-missing", options->if_missing,
+    line.flag("--if-missing", options.if_missing,
               "reuse a running drone of this name and kind, and print it as if it was started");
-    line.option("--connect", options->order.connections,
+    line.option("--connect", options.order.connections,
                 "receive from this output once the sender is up; repeatable; omit INPUT if there is only one. OPTIONs: "
                     + hive::connection_option_words())
         .type_name("[INPUT=]DRONE.OUTPUT[,OPTION...]")
         .one_each();
-    line.option("--expect", options->order.expected,
+    line.option("--expect", options.order.expected,
                 "wait for this receiver before emitting lossless events; repeatable. Omit OUTPUT if there is only one. "
                 "`hivectl disconnect` ends the wait")
         .type_name("[OUTPUT=]DRONE.INPUT[,group=NAME]")
         .one_each();
-    declare_fields(line, options->order);
-    line.option("--swarm", options->order.swarm, "its swarm, which hivectl down stops (default: none)")
+    declare_fields(line, options.order);
+    line.option("--swarm", options.order.swarm, "its swarm, which hivectl down stops (default: none)")
         .type_name("NAME");
-    return [options, &session] { return run(*options, session); };
 }
 
 }  // namespace
@@ -79,7 +75,7 @@ Verb verb()
                         "hivectl start face --as face-2 scale=1.05 min_size=40",
             .timeout = "stop it if it does not answer in time (default 10)",
             .operands = {Operand::kind, Operand::setting_of_kind},
-            .declare = declare};
+            .declare = with(declare, run)};
 }
 
 }  // namespace hivectl::start_verb

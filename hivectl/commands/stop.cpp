@@ -1,13 +1,8 @@
 // hivectl stop: stops drones.
 #include "../verbs.hpp"
-#include "run/command_line.hpp"
 #include "run/remote_verb.hpp"
-#include "run/session.hpp"
-#include "words/exit_code.hpp"
-#include "words/output.hpp"
 #include "words/places.hpp"
 #include "words/status_line.hpp"
-#include "words/table.hpp"
 #include "words/targets.hpp"
 
 #include <hive/name.hpp>
@@ -58,11 +53,7 @@ std::vector<std::string> meant_by(const Options& options, hive::Application& app
     if (options.all)
         return all_of_our_own(application);
     for (const auto& word : options.names)
-        try {
-            add_new(names, meant_by(word, application));
-        } catch (const hive::Error& error) {
-            outcome.failed(word, error);
-        }
+        outcome.attempt(word, [&] { add_new(names, meant_by(word, application)); });
     return names;
 }
 
@@ -88,7 +79,11 @@ void stop_through_ssh(const Target& target, const hive::Error& error, Session& s
         throw error;
     if (target.place->ssh.empty())
         throw hive::Error(error.code(), error.what(), "if it is gone for good: hivectl place remove " + target.name);
-    if (const int code = stop_remotely(session, *target.place); code != exit_code::done && code != exit_code::not_found)
+    const auto& drone = target.place->drone;
+    const int code = run_there(session, *target.place, {"stop", drone}, drone + " to exit").exit_code;
+    if (code == exit_code::done || code == exit_code::not_found)
+        session.application().forget_place(*target.place);
+    else
         throw hive::Error(error.code(), target.name + " could not be stopped on " + target.place->host,
                           "see why it does not answer: hivectl logs " + target.name);
 }
@@ -121,25 +116,20 @@ int run(const Options& options, Session& session)
     const auto targets = targets_of(names, application);
     const auto answers = stop_together(names, application);
     for (std::size_t i = 0; i < targets.size(); ++i)
-        try {
+        outcome.request(targets[i].name, [&] {
             if (answers[i].error)
                 stop_through_ssh(targets[i], *answers[i].error, session);
             report(targets[i], session);
-            outcome.done();
-        } catch (const hive::Error& error) {
-            outcome.failed(targets[i].name, error);
-        }
+        });
     return outcome.exit_code();
 }
 
-Run declare(CommandLine& line, Session& session)
+void declare(CommandLine& line, Options& options)
 {
-    auto options = std::make_shared<Options>();
-    line.option("NAME", options->names, "drones, or globs such as 'face-*'");
-    line.flag("--all", options->all,
+    line.option("NAME", options.names, "drones, or globs such as 'face-*'");
+    line.flag("--all", options.all,
               "every drone on this machine and in hivectl place, but not those known only by an announcement; discards "
               "the state of crashed drones");
-    return [options, &session] { return run(*options, session); };
 }
 
 }  // namespace
@@ -157,7 +147,7 @@ Verb verb()
                         "hivectl stop 'face-*'\n"
                         "hivectl stop --all",
             .operands = {Operand::drone},
-            .declare = declare};
+            .declare = with(declare, run)};
 }
 
 }  // namespace hivectl::stop_verb

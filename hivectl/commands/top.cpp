@@ -1,11 +1,7 @@
 // hivectl top: shows rates, refreshed at an interval.
 #include "../verbs.hpp"
-#include "run/command_line.hpp"
 #include "run/interrupt.hpp"
-#include "run/session.hpp"
 #include "words/activity.hpp"
-#include "words/exit_code.hpp"
-#include "words/output.hpp"
 #include "words/rates.hpp"
 
 namespace hivectl::top_verb {
@@ -67,14 +63,12 @@ int run(const Options& options, Session& session)
     return interrupt::exit_code();
 }
 
-Run declare(CommandLine& line, Session& session)
+void declare(CommandLine& line, Options& options)
 {
-    auto options = std::make_shared<Options>();
-    line.flag("--once", options->once, "print one table after one interval");
-    line.option("--interval", options->interval_s, "time between samples (default 1)")
+    line.flag("--once", options.once, "print one table after one interval");
+    line.option("--interval", options.interval_s, "time between samples (default 1)")
         .type_name("SECONDS")
         .seconds(0.05, 3600);
-    return [options, &session] { return run(*options, session); };
 }
 
 }  // namespace
@@ -97,7 +91,7 @@ Verb verb()
             .timeout = "show a drone as silent if it has not answered by then (default 1)",
             .table = true,
             .operands = {},
-            .declare = declare};
+            .declare = with(declare, run)};
 }
 
 }  // namespace hivectl::top_verb

@@ -1,12 +1,7 @@
 // hivectl up: brings up the swarm of a file.
 #include "../verbs.hpp"
-#include "run/command_line.hpp"
-#include "run/session.hpp"
 #include "run/swarm_file.hpp"
 #include "run/swarm_work.hpp"
-#include "words/exit_code.hpp"
-#include "words/output.hpp"
-#include "words/table.hpp"
 
 #include <hive/swarm.hpp>
 
@@ -66,17 +61,15 @@ int run(const Options& options, Session& session)
     return exit_code::done;
 }
 
-Run declare(CommandLine& line, Session& session)
+void declare(CommandLine& line, Options& options)
 {
-    auto options = std::make_shared<Options>();
-    line.option("FILE", options->input.file, "the swarm file; -: stdin").required();
-    declare_variables(line, options->input);
-    const auto dry_run = line.flag("--dry-run", options->dry_run, "only print what would be done");
-    line.flag("--stay", options->stay,
+    line.option("FILE", options.input.file, "the swarm file; -: stdin").required();
+    declare_variables(line, options.input);
+    const auto dry_run = line.flag("--dry-run", options.dry_run, "only print what would be done");
+    line.flag("--stay", options.stay,
               "keep running until Ctrl-C, and restart drones with \"restart\" in the file if they crash or hang, after "
               "0.1 s to 30 s; drones that hivectl down stops stay down until the next up")
         .excludes(dry_run);
-    return [options, &session] { return run(*options, session); };
 }
 
 }  // namespace
@@ -101,7 +94,7 @@ Verb verb()
                     "hivectl up doorway.json --set scale=1.2",
         .timeout = "for all drones to be ready (default 60)",
         .operands = {Operand::file},
-        .declare = declare};
+        .declare = with(declare, run)};
 }
 
 }  // namespace hivectl::up_verb

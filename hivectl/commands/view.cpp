@@ -1,12 +1,7 @@
 // hivectl view: shows the images of a drone while the command runs.
 #include "../verbs.hpp"
-#include "run/command_line.hpp"
 #include "run/interrupt.hpp"
 #include "run/launch.hpp"
-#include "run/session.hpp"
-#include "words/exit_code.hpp"
-#include "words/output.hpp"
-#include "words/table.hpp"
 #include "words/targets.hpp"
 
 #include <hive/http/pass.hpp>
@@ -100,20 +95,18 @@ int run(const Options& options, Session& session)
     return look(options, viewer, application);
 }
 
-Run declare(CommandLine& line, Session& session)
+void declare(CommandLine& line, Options& options)
 {
-    auto options = std::make_shared<Options>();
-    line.option("NAME", options->from, "drone or drone.output; omit the output if only one sends images").required();
-    line.option("--http", options->port, "serve it to browsers on this machine at this port instead of a window")
+    line.option("NAME", options.from, "drone or drone.output; omit the output if only one sends images").required();
+    line.option("--http", options.port, "serve it to browsers on this machine at this port instead of a window")
         .type_name("PORT")
         .between(1, 65535);
-    line.flag("--stay", options->stay, "keep showing the last image after the source has ended");
+    line.flag("--stay", options.stay, "keep showing the last image after the source has ended");
     line.option(
-            "--encoding", options->encoding,
+            "--encoding", options.encoding,
             "image encoding: raw, png, jpeg or jpeg:QUALITY (default: unchanged on one machine, jpeg across a network)")
         .type_name("NAME")
         .encoding();
-    return [options, &session] { return run(*options, session); };
 }
 
 }  // namespace
@@ -130,7 +123,7 @@ Verb verb()
                         "hivectl view face.annotated --http 8080",
             .timeout = "give up if the drone does not answer in time (default 10)",
             .operands = {Operand::sender},
-            .declare = declare};
+            .declare = with(declare, run)};
 }
 
 }  // namespace hivectl::view_verb

@@ -1,14 +1,9 @@
 // hivectl wait: returns when a drone is in a state.
 #include "../verbs.hpp"
-#include "run/command_line.hpp"
 #include "run/interrupt.hpp"
-#include "run/session.hpp"
-#include "words/exit_code.hpp"
 #include "words/format.hpp"
-#include "words/output.hpp"
 #include "words/places.hpp"
 #include "words/status_line.hpp"
-#include "words/table.hpp"
 #include "words/targets.hpp"
 
 #include <hive/name.hpp>
@@ -83,16 +78,14 @@ int run(const Options& options, Session& session)
     return exit_code::done;
 }
 
-Run declare(CommandLine& line, Session& session)
+void declare(CommandLine& line, Options& options)
 {
-    auto options = std::make_shared<Options>();
-    line.option("NAME", options->names, "drones, running or not yet").required();
-    line.option("--for", options->goal,
+    line.option("NAME", options.names, "drones, running or not yet").required();
+    line.option("--for", options.goal,
                 "running: started and answering (default); idle: nothing to do; halted: taking no events until "
                 "resumed; gone: exited")
         .type_name("running|idle|halted|gone")
         .one_of({"running", "idle", "halted", "gone"});
-    return [options, &session] { return run(*options, session); };
 }
 
 }  // namespace
@@ -108,7 +101,7 @@ Verb verb()
                         "hivectl wait face --for halted --timeout 30",
             .timeout = "give up after this long (default 10)",
             .operands = {Operand::drone},
-            .declare = declare};
+            .declare = with(declare, run)};
 }
 
 }  // namespace hivectl::wait_verb

@@ -96,6 +96,8 @@ Option Option::megabytes(double least, double most) const
     return measured(reader, least, most, "200, 200MB or 2GB");
 }
 
+Option Option::count(std::int64_t most) const { return type_name("N").between(std::int64_t{1}, most); }
+
 Option Option::encoding() const
 {
     const auto problem = [](const std::string& text) {

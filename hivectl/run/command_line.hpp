@@ -36,6 +36,8 @@ public:
     Option one_of(const std::vector<std::string>& words) const;
     template <typename Number>
     Option between(Number least, Number most) const;  ///< of int, std::int64_t or double
+    /// A number of events, at least 1.
+    Option count(std::int64_t most = std::int64_t{1} << 53) const;
     /// A duration, "2", "500ms" or "2min", within the limits of a deadline; the value is in seconds.
     Option seconds(double least = 0.001, double most = 1e8) const;
     /// A duration of whole milliseconds; a number alone is in milliseconds.

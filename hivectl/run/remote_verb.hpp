@@ -2,18 +2,19 @@
 #pragma once
 
 #include <hive/application.hpp>
+#include <hive/process.hpp>
 
 #include <string>
-#include <string_view>
+#include <vector>
 
 namespace hivectl {
 
 class Session;
 
-/// Stops a drone that was started over ssh and does not answer here, or discards its state there if it crashed. Returns
-/// the exit code of hivectl there.
-int stop_remotely(Session& session, const hive::Place& place);
-/// Prints lines of another machine's stderr, each after the machine's name and without the prefix of hivectl.
-void relay_errors(std::string_view verb, const std::string& host, const std::string& text);
+/// Runs hivectl on the machine of a drone that was started over ssh. Its stderr is printed here, each line after the
+/// machine's name and without the prefix of hivectl.
+/// @param awaited  for the status line: "the log of face"
+hive::CommandResult run_there(Session& session, const hive::Place& place, const std::vector<std::string>& words,
+                              const std::string& awaited);
 
 }  // namespace hivectl

@@ -6,7 +6,6 @@
 #include <hive/failure.hpp>
 #include <hive/program.hpp>
 
-#include <array>
 #include <sstream>
 
 namespace hivectl {
@@ -16,48 +15,33 @@ using hive::Errc;
 
 bool as_json = false;  ///< failures
 
-struct Entry {
-    Errc code;
-    std::string_view advice;  ///< a command, with DRONE for the drone's name; empty if only the error text has it
-};
-
-constexpr std::array table{
-    Entry{Errc::invalid_argument, ""},
-    Entry{Errc::not_found, "see the names: hivectl ps, hivectl describe DRONE"},
-    Entry{Errc::unreachable, "see what runs: hivectl ps"},
-    Entry{Errc::connection_lost, "see whether it still runs: hivectl ps"},
-    Entry{Errc::timeout, "see what it is busy with: hivectl ps, or allow more time: --timeout SECONDS"},
-    Entry{Errc::refused, ""},
-    Entry{Errc::type_mismatch, "see the ports: hivectl describe DRONE"},
-    Entry{Errc::halted, "resume it: hivectl resume DRONE"},
-    Entry{Errc::locked, "try again, or allow more time: --timeout SECONDS"},
-    Entry{Errc::name_taken, "choose another name: --as NAME, or stop that drone: hivectl stop NAME"},
-    Entry{Errc::not_permitted, "use the account that started the drone"},
-    Entry{Errc::too_large, "send less"},
-    Entry{Errc::malformed, ""},
-    Entry{Errc::version_mismatch, "use a hivectl and drones of the same version"},
-    Entry{Errc::unsupported, "use a hivectl and drones of the same version"},
-    Entry{Errc::failed, "see its exceptions: hivectl exceptions DRONE"},
-    Entry{Errc::abandoned, "see the exceptions: hivectl exceptions"},
-    Entry{Errc::stopped, ""},
-    Entry{Errc::io, ""},
-};
-
-constexpr bool in_order()
+/// A command, with DRONE for the drone's name; empty if only the error's text has one.
+std::string advice_on(Errc code)
 {
-    for (std::size_t i = 0; i < table.size(); ++i)
-        if (static_cast<std::size_t>(table[i].code) != i)
-            return false;
-    return true;
+    switch (code) {
+    case Errc::not_found: return "see the names: hivectl ps, hivectl describe DRONE";
+    case Errc::unreachable: return "see what runs: hivectl ps";
+    case Errc::connection_lost: return "see whether it still runs: hivectl ps";
+    case Errc::timeout: return "see what it is busy with: hivectl ps, or allow more time: --timeout SECONDS";
+    case Errc::type_mismatch: return "see the ports: hivectl describe DRONE";
+    case Errc::halted: return "resume it: hivectl resume DRONE";
+    case Errc::locked: return "try again, or allow more time: --timeout SECONDS";
+    case Errc::name_taken: return "choose another name: --as NAME, or stop that drone: hivectl stop NAME";
+    case Errc::not_permitted: return "use the account that started the drone";
+    case Errc::too_large: return "send less";
+    case Errc::version_mismatch:
+    case Errc::unsupported: return "use a hivectl and drones of the same version";
+    case Errc::failed: return "see its exceptions: hivectl exceptions DRONE";
+    case Errc::abandoned: return "see the exceptions: hivectl exceptions";
+    default: return "";
+    }
 }
-static_assert(in_order(), "the table is indexed by the enumerator");
-static_assert(table.size() == static_cast<std::size_t>(Errc::io) + 1);
 
 /// @param subject  "face" or "face.image"; empty: unknown
 std::string usual_advice(Errc code, std::string_view subject)
 {
     constexpr std::string_view place = "DRONE";
-    std::string advice(table[static_cast<std::size_t>(code)].advice);
+    auto advice = advice_on(code);
     const std::string drone(subject.empty() ? "NAME" : subject.substr(0, subject.find('.')));
     if (const auto at = advice.find(place); at != std::string::npos)
         advice.replace(at, place.size(), drone);

@@ -48,6 +48,22 @@ public:
     explicit Outcome(std::string_view verb) : verb_(verb) {}
     void done() { ++done_; }
     void failed(std::string_view subject, const hive::Error& error);
+    /// Runs `action`; if it throws, `subject` has failed. @return true if it did not throw
+    template <typename Action>
+    bool attempt(const std::string& subject, Action&& action)
+    try {
+        action();
+        return true;
+    } catch (const hive::Error& error) {
+        failed(subject, error);
+        return false;
+    }
+    /// The same for a whole request: otherwise `subject` is done.
+    template <typename Action>
+    void request(const std::string& subject, Action&& action)
+    {
+        done_ += attempt(subject, action) ? 1 : 0;
+    }
     /// 0 when nothing failed, 8 when only some did, the common code when all failed alike, otherwise 1.
     [[nodiscard]] int exit_code() const;
     /// The exit code of a verb that continued without the failed ones, and ended with `code`.

@@ -74,11 +74,7 @@ std::vector<std::string> drones_named(hive::Application& application, const std:
 {
     std::vector<std::string> names;
     for (const auto& word : words)
-        try {
-            add_new(names, application.find(word));
-        } catch (const hive::Error& error) {
-            outcome.failed(word, error);
-        }
+        outcome.attempt(word, [&] { add_new(names, application.find(word)); });
     return names;
 }
 
@@ -95,11 +91,7 @@ std::vector<hive::Endpoint> endpoints_named(hive::Application& application, cons
 {
     std::vector<hive::Endpoint> endpoints;
     for (const auto& word : words)
-        try {
-            add_new(endpoints, endpoints_named(application, {word}));
-        } catch (const hive::Error& error) {
-            outcome.failed(word, error);
-        }
+        outcome.attempt(word, [&] { add_new(endpoints, endpoints_named(application, {word})); });
     return endpoints;
 }
 
@@ -117,7 +109,7 @@ std::vector<hive::Endpoint> outputs_named(hive::Application& application, const 
 {
     std::vector<hive::Endpoint> outputs;
     for (auto& output : endpoints_named(application, words, outcome))
-        try {
+        outcome.attempt(to_text(output), [&] {
             const Waiting waiting(output.drone + " to answer");
             const auto interface = application.describe(output.drone);
             if (output.port.empty())
@@ -125,9 +117,7 @@ std::vector<hive::Endpoint> outputs_named(hive::Application& application, const 
             else if (output.port != "exceptions")  // every drone has this output, and no interface lists it
                 hive::port_named(interface.outputs, output.drone, "output", output.port);
             add_new(outputs, {output});
-        } catch (const hive::Error& error) {
-            outcome.failed(to_text(output), error);
-        }
+        });
     return outputs;
 }
 
