@@ -1,4 +1,4 @@
-// A verb of hivectl: its help texts, arguments and action, and what each verb is written with.
+// A verb of hivectl: its help texts, arguments and action, and the headers that every verb needs.
 #pragma once
 
 #include "run/command_line.hpp"

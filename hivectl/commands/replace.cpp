@@ -28,7 +28,8 @@ void declare(CommandLine& line, Options& options)
     line.flag("--lose-state", options.order.lose_state,
               "replace even a stateful drone; the new one starts without its state");
     line.flag("--force", options.order.force,
-              "kill a drone that does not answer, and start a new one with its parameters and connections");
+              "kill a drone that does not answer or is of another version, and start a new one with its parameters and "
+              "connections");
     declare_fields(line, options.order);
 }
 

@@ -182,9 +182,11 @@ Errands::Work image_of(std::string drone, std::int64_t number)
 
 Errands::Work advise_of(std::string drone, const std::string& goal)
 {
-    const auto wanted = goal == hive::token(hive::Goal::latency) ? hive::Goal::latency : hive::Goal::fps;
-    return [drone = std::move(drone), wanted](Application& application) {
-        return to_json(hive::advise(application, {drone}, {.goal = wanted}));
+    return [drone = std::move(drone), goal](Application& application) {
+        for (const auto wanted : {hive::Goal::fps, hive::Goal::latency})
+            if (goal == hive::token(wanted))
+                return to_json(hive::advise(application, {drone}, {.goal = wanted}));
+        throw hive::Error(hive::Errc::invalid_argument, "there is no goal " + goal);
     };
 }
 

@@ -20,16 +20,16 @@ hive::CommandResult run_there(Session& session, const hive::Place& place, const 
 {
     const hive::Remote remote(place.ssh, session.home());
     const auto& verb = words.front();
-    const auto host = remote.host() + ": ", own = "hivectl " + verb + ": ";
+    const auto prefix = remote.host() + ": ", own = "hivectl " + verb + ": ";
     std::optional<Waiting> waiting(awaited + " on " + remote.host());
     auto result = remote.hivectl(words, session.timeout() + 12s);
     waiting.reset();
     std::istringstream lines(result.err);
     for (std::string line; std::getline(lines, line);)
         if (const auto failure = hive::failure_in(line))
-            complain_about(verb, failure->reworded(host + failure->what()));
+            complain_about(verb, failure->reworded(prefix + failure->what()));
         else
-            complain(verb, host + printable(line.starts_with(own) ? line.substr(own.size()) : line));
+            complain(verb, prefix + printable(line.starts_with(own) ? line.substr(own.size()) : line));
     return result;
 }
 

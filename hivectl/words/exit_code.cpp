@@ -33,8 +33,13 @@ std::string advice_on(Errc code)
     case Errc::unsupported: return "use a hivectl and drones of the same version";
     case Errc::failed: return "see its exceptions: hivectl exceptions DRONE";
     case Errc::abandoned: return "see the exceptions: hivectl exceptions";
-    default: return "";
+    case Errc::invalid_argument:
+    case Errc::refused:
+    case Errc::malformed:
+    case Errc::stopped:
+    case Errc::io: break;
     }
+    return "";
 }
 
 /// @param subject  "face" or "face.image"; empty: unknown

@@ -394,9 +394,9 @@ HIVE_API hive_code hive_application_start(hive_application* application, const c
 /* Replaces a running drone with a new process, which takes over name, addresses, parameters and connections once it is
    ready. Options as of hive_application_start(), without "name", "ssh" and "if_missing", and "kind" (default: that of
    the old drone), "lose_state" (replace even a stateful drone, without its state), "force" (kill a drone that does not
-   answer within 3 s, and start a new one with its parameters and connections); other options are those of the old
-   drone. Until the new process is ready, an error or a cancellation leaves the old drone unaffected; then the
-   replacement continues by itself. */
+   answer within 3 s or is of another version, and start a new one with its parameters and connections); other options
+   are those of the old drone, or the defaults with "force". Until the new process is ready, an error or a cancellation
+   leaves the old drone unaffected; then the replacement continues by itself. */
 HIVE_API hive_code hive_application_replace(hive_application* application, const char* drone, const char* options,
                                             char** place);
 /* The causes of a stall of ["face", "face.faces", ...]; []: of any drone; {"sender": "camera", "receiver": "face"}: of

@@ -2,7 +2,8 @@
 
 Each row is one way of moving bytes by `bench_hive`; a pair is one run of each build, one directly after the other, and
 every second pair runs the other build first. A ratio above 1 means that this build is better: it sends more each second,
-or takes less time (lat). The median of the pairs' ratios counts; `from` and `to` enclose the median with 95 % confidence.
+or takes less time (lat). The median of the pairs' ratios counts; `from` and `to` enclose the median with 95 % confidence
+if there are at least 6 pairs, and are the smallest and the largest ratio otherwise.
 """
 import argparse
 import json

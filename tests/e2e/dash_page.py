@@ -304,7 +304,7 @@ def rates(browser, dash):
     hivectl("up", str(file))
     page = browser.open(dash.url)
     page.until(f"{RATES}.filter(([rate, age]) => /^[1-9][0-9.]*.s$/.test(rate) && /^[0-9.]+ (µs|ms|s)$/.test(age)).length === 96")
-    assert page.run(OVERLAPS) == 0, page.run(RATES)
+    page.until(f"{OVERLAPS} === 0")  # the rates change each second
     assert page.text("#rates") == ""
 
 
@@ -319,7 +319,6 @@ def advice(browser, dash):
     assert not page.run("document.querySelector('.advice').getClientRects().length"), "it receives nothing"
     select(page, "worker")
     page.click(".advice button", "Advise")
-    page.see(".advice [role=status]", "measuring")
     page.see(".advice caption", "source → worker")
     page.see(".advice td", "work")
     page.see(".advice p", "Bottleneck: work at worker")

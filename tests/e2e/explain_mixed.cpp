@@ -97,11 +97,14 @@ TEST_CASE("explain: while drones are replaced again and again, it names nothing 
     };
     for (const std::string drone : {"worker", "source", "last"}) {
         CAPTURE(drone);
-        const auto replace = line.swarm.hivectl_running({"replace", drone}, "replace-" + drone);
-        for (int i = 0; i < 3; ++i) {
+        auto replace = line.swarm.hivectl_running({"replace", drone}, "replace-" + drone);
+        std::optional<int> code;
+        do {
             const auto now = found(line.swarm, "explain last");
             CHECK_MESSAGE((now.runs() || now.causes == "starting " + drone), now.text());
-        }
+            code = replace.wait(0ms);
+        } while (!code);
+        CHECK(code == 0);
         CHECK(eventually([&] { return found(line.swarm, "explain last").runs(); }));
     }
     line.application.halt("source");

@@ -5,7 +5,6 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
-#include <atomic>
 #include <fstream>
 #include <random>
 #include <set>
@@ -231,20 +230,19 @@ TEST_CASE("replace: a question that meets neither of the two processes waits for
 {
     const Swarm swarm;
     const auto sleeper = swarm.drone("sleeper", "worker");
-    auto application = swarm.application();
-    std::atomic<bool> over = false;
+    auto application = swarm.application(30'000ms);
     std::string failure;
-    std::thread asking([&] {
+    std::jthread asking([&](const std::stop_token& stop) {
         try {
-            while (!over)
+            while (!stop.stop_requested())
                 application.get("worker");
         } catch (const hive::Error& error) {
             failure = error.what();
         }
     });
     for (int i = 0; i < 5; ++i)
-        swarm.hivectl_done({"replace", "worker"});
-    over = true;
+        swarm.hivectl_done({"replace", "worker"}, long_patience);
+    asking.request_stop();
     asking.join();
     CHECK_MESSAGE(failure.empty(), failure);
 }
@@ -349,6 +347,10 @@ TEST_CASE("replace: a drone that does not answer is killed only with --force, an
     const auto refused = swarm.hivectl({"replace", "worker"}, long_patience);
     CHECK(refused.exit_code == 124);
     CHECK_MESSAGE(has(refused.err, "hivectl replace worker --force"), refused.err);
+    for (const std::string kind : {"face", "no-such-kind"}) {  // checked before it is killed
+        CHECK(swarm.hivectl({"replace", "worker", "--force", "--kind", kind}, long_patience).exit_code != 0);
+        CHECK(::kill(static_cast<pid_t>(hanging), 0) == 0);
+    }
     const auto forced =
         hive::Json::parse(swarm.hivectl_done({"replace", "worker", "--force", "--json"}, long_patience));
     CHECK(forced.at("before") == hanging);
@@ -357,7 +359,7 @@ TEST_CASE("replace: a drone that does not answer is killed only with --force, an
     CHECK(eventually(works));
     const auto again = hive::Json::parse(swarm.hivectl_done({"replace", "worker", "--force", "--json"}, long_patience));
     CHECK(again.at("before") == forced.at("pid"));  // it answers, so it hands over
-    CHECK(eventually(works));
+    CHECK(eventually([&] { return application.status("worker").pid == again.at("pid") && works(); }));
 }
 
 TEST_CASE("replace: another kind takes over, with the connections, and is what comes back after a crash")

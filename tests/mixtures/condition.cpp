@@ -5,7 +5,7 @@
 
 namespace hive::mixtures {
 
-Condition::Condition(const Topology& topology) : topology_(topology)
+Condition::Condition(const Topology& topology) : edges_(topology.edges())
 {
     for (const auto& drone : topology.drones())
         lives_[drone] = Life::up;
@@ -31,7 +31,7 @@ void Condition::follow(const Step& step)
     case Verb::resume: lives_[step.drone] = Life::up; break;
     case Verb::connect: connected_.insert({step.sender, step.drone}); break;
     case Verb::connect_all:
-        for (const auto& edge : topology_.edges())
+        for (const auto& edge : edges_)
             if (runs(edge.sender) && runs(edge.receiver))
                 connected_.insert({edge.sender, edge.receiver});
         break;

@@ -31,7 +31,7 @@ public:
     [[nodiscard]] const std::set<std::pair<std::string, std::string>>& wanted() const { return connected_; }
 
 private:
-    const Topology& topology_;
+    std::vector<Edge> edges_;
     std::map<std::string, Life> lives_;
     std::set<std::pair<std::string, std::string>> connected_;
 };

@@ -76,7 +76,7 @@ Outcome outcome_of(const Event& event, bool failed)
     return outcome;
 }
 
-Model::Model(const Topology& topology) : topology_(topology), condition_(topology_)
+Model::Model(const Topology& topology) : topology_(topology), condition_(topology)
 {
     excuse_receivers_of(source);  // they are connected one after the other
 }

@@ -89,7 +89,7 @@ enum class Meanwhile {
     other_too,   ///< the drone `sender` is replaced as well; a drone is replaced
     kill_old,    ///< or a drone
     kill_new,
-    kill_caller,  ///< the process that replaces it; who connects gives up
+    kill_caller,  ///< the process that replaces it; the application that connects gives up
     set_all,      ///< work_ms and most_ms of all workers that run; `number` is the work_ms
 };
 std::string_view token(Meanwhile meanwhile) noexcept;

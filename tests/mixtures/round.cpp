@@ -159,7 +159,7 @@ Problems Round::connect_all(std::chrono::milliseconds timeout)
     return problems;
 }
 
-/// Whatever happens meanwhile: whoever repeats it afterwards connects all.
+/// Whatever happens meanwhile: a repeated call connects all.
 void Round::connect_all(const Step& step)
 {
     const auto time = std::chrono::microseconds(100 * step.number);

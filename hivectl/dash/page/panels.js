@@ -127,7 +127,7 @@ export class DronePanel extends Panel {
       careful_button("Replace", `Replace ${name} by a new process?`, () => this.act({ do: "replace", drone: name }, "replaced")),
       careful_button("Stop", `Stop ${name}?`, () => this.act({ do: "stop", drone: name }, "stopped")));
     const part = (title, node) => element("section", {}, element("h3", { textContent: title }), node);
-    this.advice = part("What would help?", new Advice(name).all);
+    this.advice = part("Advice", new Advice(name).all);
     this.advice.hidden = true;  // until it receives
     this.all = [this.head, this.facts, this.buttons, this.answer, this.images, this.lines, part("Parameters", this.parameters),
       part("Connections", this.edges), this.advice, part("Exceptions", this.exceptions), part("Log", this.log)];

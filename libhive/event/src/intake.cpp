@@ -59,7 +59,7 @@ void Intake::start(OnOutcome first, Clock::time_point until)
 
 void Intake::await(OnOutcome another, Clock::time_point until)
 {
-    first_until_ = std::max(first_until_, until);
+    first_until_ = std::min(first_until_, until);  // no caller learns the outcome after its own deadline
     first_ = [first = std::move(first_), another = std::move(another)](const Outcome& outcome) {
         first(outcome);
         another(outcome);
@@ -261,6 +261,7 @@ void Intake::hand_over()
     progress_.forget();
     connected_ = false;
     release_link();  // what arrives from now on is sent again, to the other process
+    end_if_done();
 }
 
 void Intake::leave_now()
@@ -314,7 +315,7 @@ void Intake::end_if_done()
         module_.gone(shared_from_this());
 }
 
-/// What arrives on its channel from now on is for nobody.
+/// Later packets on its channel are dropped.
 LinkPtr Intake::release_link()
 {
     if (link_)

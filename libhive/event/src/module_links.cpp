@@ -97,7 +97,8 @@ void Module::dial(const transport::Address& address, const std::string& key, Clo
                 if (!again)
                     return dialed(key, *error);
                 under_way_.erase(key);
-                return refused_.push_back(address);
+                refused_.push_back(address);
+                return dial_next();
             }
             if (ending_)
                 return dialed(key, Error(Errc::stopped, options_.self.name + " is ending"));

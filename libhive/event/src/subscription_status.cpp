@@ -34,7 +34,7 @@ bool Subscription::timed() const
            || (shared() && std::ranges::any_of(consumers_, [](const auto& row) { return row.second.works(); }));
 }
 
-/// Is there none to whom it can be written, of those that a group may dispatch it to?
+/// True if all consumers that may get the event have full connections.
 bool Subscription::lanes_full(const Emission& event) const
 {
     std::int64_t lanes = 0;

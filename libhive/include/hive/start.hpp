@@ -45,7 +45,8 @@ Started start(Application& application, StartOptions options);
 /// cancels. If the new one crashes before it has the name, another one is started in its place.
 ///
 /// With `force`, a drone that does not answer within 3 s, or is of another version of Hive, is killed, and a new one is
-/// started with its parameters and connections.
+/// started with its parameters and connections; its other options get their defaults. Errors leave the old one as it
+/// was.
 ///
 /// @param options  `drone` has the name and the changes from the old one; `ssh` and `if_missing` are not used; `limit`:
 ///                 for the new one to be ready

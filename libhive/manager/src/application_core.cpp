@@ -45,11 +45,17 @@ std::pair<std::size_t, std::size_t> most_connections()
     return {most / 4 * 3, most / 8};
 }
 
-/// Between the two processes of a replace none listens.
-bool is_replaced(const event::Home& home, const transport::Address& address)
+/// During a replace no process listens for some milliseconds.
+/// @param once  drones to be dialed once more: the new process may have begun to listen since the dial was refused
+bool is_replaced(const event::Home& home, const transport::Address& address, std::set<std::string>& once)
 {
     const auto drone = std::filesystem::path(address.host).stem().string();
-    return is_name(drone) && address == home.address(drone) && home.succession(drone);
+    if (!is_name(drone) || address != home.address(drone))
+        return false;
+    if (home.succession(drone) || (home.alive(drone) && once.insert(drone).second))
+        return true;
+    once.erase(drone);
+    return false;
 }
 
 /// The key file is read only when a drone is dialed over tcp.
@@ -90,7 +96,8 @@ Application::Core::Core(Application::Options options)
               .timing = {},
               .keys = keys_of(options),
               .most_dialed = most_connections().first,
-              .listens_soon = [this](const auto& address) { return is_replaced(directory.home(), address); },
+              .listens_soon = [this, once = std::set<std::string>()](
+                                  const auto& address) mutable { return is_replaced(directory.home(), address, once); },
               .most_dialing = most_connections().second})
 {
     module.start();
@@ -180,8 +187,12 @@ void Application::Core::begin(const std::shared_ptr<Asking>& asking)
     module.with_link(transport::parse_address(asking->place.address), asking->until,
                      [this, asking](const Result<event::LinkPtr>& found) {
                          const auto link = value_or_none(found);
-                         if (!link) {
-                             *asking->reply = *error_of(found);
+                         if (const auto* error = error_of(found)) {
+                             const bool lost = error->code() == Errc::connection_lost;  // by the old process
+                             if (lost && std::exchange(asking->again, false))
+                                 module.post([this, asking] { begin(asking); });
+                             else
+                                 *asking->reply = *error;
                          } else if (auto wrong = wrong_peer(asking->place, *link)) {
                              *asking->reply = *std::move(wrong);
                          } else {

@@ -23,7 +23,7 @@ public:
     [[nodiscard]] std::vector<Place> places_of(const std::string& drone) const override
     {
         if (!is_name(drone) || !(home_.alive(drone) || home_.succession(drone) || home_.alive(drone)))
-            return {};  // it was not replaced between the two looks, either
+            return {};  // twice: a replace may have ended between the first two checks
         return {{.drone = drone, .host = Place::here, .address = to_text(home_.address(drone))}};
     }
 

@@ -1,7 +1,6 @@
 // Checks that a new process can replace a drone, and starts it.
 #include "directory.hpp"
 #include "inquiry.hpp"
-#include "known_program.hpp"
 #include "successor_fit.hpp"
 
 #include <hive/event/home.hpp>
@@ -27,11 +26,22 @@ Predecessor predecessor(Application& application, const event::Home& home, const
     return before;
 }
 
-void require_stateless(const Predecessor& before, const DroneOrder& order)
+void require_stateless(const std::string& drone, const Interface& interface, const DroneOrder& order)
 {
-    if (before.interface.stateful && !order.lose_state)
-        throw Error(Errc::refused, before.status.name + " keeps state, which the new process would not have",
+    if (interface.stateful && !order.lose_state)
+        throw Error(Errc::refused, drone + " keeps state, which the new process would not have",
                     "to accept this: --lose-state");
+}
+
+/// Of the drone before, if the order names none.
+void complete_kind(DroneOrder& order, const std::string& kind)
+{
+    if (!order.kind.empty())
+        return;
+    order.kind = kind;
+    if (!program_of(kind))
+        throw Error(Errc::not_found, order.name + " is a " + kind + ", and there is no program hive-" + kind,
+                    "say what the new one is, if a Python file: --kind FILE.py, or kind=\"FILE.py\" in Python");
 }
 
 /// The new order, completed from the old one. Later settings of the old drone, and its ports, are in its saved state.
@@ -42,13 +52,7 @@ void complete(DroneOrder& order, const Predecessor& before)
         if (field.change != OrderField::Change::at_once && field.type != OrderField::Type::address
             && !field.is_said(order))
             field.copy(order, old);
-    if (!order.kind.empty())
-        return;
-    order.kind = before.interface.kind;
-    if (!program_of(order.kind))
-        throw Error(Errc::not_found,
-                    before.status.name + " is a " + order.kind + ", and there is no program hive-" + order.kind,
-                    "say what the new one is, if a Python file: --kind FILE.py, or kind=\"FILE.py\" in Python");
+    complete_kind(order, before.interface.kind);
 }
 
 /// Completes an order that replaces a drone of this machine, and checks it.
@@ -60,7 +64,7 @@ void make_fit(Application& application, DroneOrder& order)
     for (const auto& [name, value] : order.set.items())
         before.parameters.erase(name);
     require_fit(application, before, interface_of(order.kind));
-    require_stateless(before, order);
+    require_stateless(order.name, before.interface, order);
     if (home.succession(order.name))
         throw Error(Errc::name_taken, order.name + " is being replaced already");
 }
@@ -70,20 +74,37 @@ bool is_silence(const Error& error)
     return error.code() == Errc::timeout || error.code() == Errc::unreachable || error.code() == Errc::version_mismatch;
 }
 
-/// Kills the process of a drone of this machine that does not answer. @return its id; 0: the drone answers
-std::int64_t kill_if_silent(Application& application, const event::Home& home, const std::string& drone,
-                            Clock::time_point until)
+/// The process of a drone of this machine that does not answer; 0: it answers, or does not run.
+std::int64_t silent_process(Inquiry& inquiry, const event::Home& home, const std::string& drone)
 {
-    constexpr std::chrono::seconds patience(3);
-    Inquiry inquiry(application);
-    inquiry.ask({drone + "@" + Place::here}, patience);
+    constexpr std::chrono::seconds timeout(3);
+    inquiry.ask({drone + "@" + Place::here}, timeout);
     std::vector<StatusAnswer> answers;
     while ((answers = inquiry.take()).empty())
-        inquiry.wait(Clock::now() + patience, {});
+        inquiry.wait(Clock::now() + timeout, {});
     const auto& error = answers.front().error;
-    const auto pid = home.holder(drone);
-    if (!error || !is_silence(*error) || pid <= 0 || !home.alive(drone))
-        return 0;
+    return error && is_silence(*error) && home.alive(drone) ? home.holder(drone) : 0;
+}
+
+/// Completes and checks an order for the time after the drone was killed. It is known by its saved state alone, which
+/// a drone of another kind would not take.
+void make_fit_for_restart(const event::Home& home, DroneOrder& order)
+{
+    const auto state = home.read_state(order.name).value_or(Json::object());
+    const Fields fields(state, "the state of " + order.name);
+    const auto kind = fields.has("kind") ? fields.text("kind") : kind_by_name(order.name).value_or("");
+    complete_kind(order, kind);
+    const auto next = interface_of(order.kind);
+    if (fields.has("kind") && next.kind != kind)
+        throw Error(Errc::refused, order.name + " does not answer, and is restarted as a " + kind + " only",
+                    "to give up its parameters and connections: hivectl stop " + order.name
+                        + ", and start another kind");
+    require_stateless(order.name, next, order);
+}
+
+void kill(Inquiry& inquiry, const event::Home& home, const std::string& drone, std::int64_t pid,
+          Clock::time_point until)
+{
     platform::kill_process(pid);
     while (home.alive(drone)) {
         if (Clock::now() >= until)
@@ -91,7 +112,6 @@ std::int64_t kill_if_silent(Application& application, const event::Home& home, c
                         "process " + std::to_string(pid) + " of " + drone + " does not exit when killed");
         inquiry.wait(Clock::now() + std::chrono::milliseconds(2), {});
     }
-    return pid;
 }
 
 /// @param forced  a drone of another machine may be silent: hivectl there kills it
@@ -109,15 +129,6 @@ std::int64_t pid_of(Application& application, const std::string& drone, bool for
     return 0;
 }
 
-/// Starts a drone that was killed: its parameters and connections are in its saved state.
-Started start_again(Application& application, StartOptions options)
-{
-    if (options.drone.kind.empty())
-        options.drone.kind = known_program(application, options.drone.name).kind;
-    options.if_missing = true;  // its supervisor may be faster
-    return start(application, std::move(options));
-}
-
 }  // namespace
 
 Started replace(Application& application, StartOptions options)
@@ -128,21 +139,30 @@ Started replace(Application& application, StartOptions options)
         throw Error(Errc::refused,
                     place.drone + " at " + place.address + " was not started through ssh, so it is replaced there",
                     "do it there: hivectl replace " + place.drone);
-    std::int64_t before = 0;
-    if (order.force && is_here(place))
-        before =
-            kill_if_silent(application, event::Home(application.home()), place.drone, Clock::now() + options.limit);
-    const bool killed = before != 0;
-    if (!killed)
-        before = pid_of(application, order.name, order.force);
+    std::int64_t killed = 0;
+    if (order.force && is_here(place)) {
+        const event::Home home(application.home());
+        Inquiry inquiry(application);
+        order.name = place.drone;
+        killed = silent_process(inquiry, home, order.name);
+        if (killed > 0) {
+            make_fit_for_restart(home, order);
+            kill(inquiry, home, order.name, killed, Clock::now() + options.limit);
+        }
+    }
+    const auto before = killed > 0 ? killed : pid_of(application, order.name, order.force);
     order.name = place.drone;
     options.ssh = place.ssh;
-    if (!killed) {
+    if (killed > 0) {
+        options.if_missing = true;  // its supervisor may be faster
+    } else {
         order.take_over_s = std::chrono::duration<double>(options.limit).count();
         if (is_here(place))
             make_fit(application, order);
     }
-    auto started = killed ? start_again(application, options) : start(application, options);
+    auto started = start(application, options);
+    if (started.found && !order.set.empty())
+        application.set(order.name, order.set);
     started.before = before;
     return started;
 }

@@ -77,6 +77,7 @@ std::optional<std::filesystem::path> program_of(const std::string& kind) { retur
 DroneCommand command_of(const std::string& kind) { return {.program = kind, .arguments = {}, .environment = {}}; }
 Interface interface_of(const std::string& kind, std::chrono::milliseconds) { return programs().describe(kind); }
 std::string usual_name(const std::string& kind) { return kind; }
+std::optional<std::string> kind_by_name(const std::string&) { return std::nullopt; }
 bool is_python_file(const std::string&) { return false; }
 bool is_of_kind(const Status& running, const std::string& kind) { return running.kind == kind; }
 

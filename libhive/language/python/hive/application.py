@@ -173,7 +173,8 @@ class Application(Finding, Closing):
         :param kind: kind of the new drone, or a Python file; "": that of the old one
         :param parameters: parameters of the new drone, in addition to those of the old one
         :param lose_state: replace even a stateful drone, without its state
-        :param force: kill a drone that does not answer, and start a new one with its parameters and connections
+        :param force: kill a drone that does not answer within 3 s or is of another version, and start a new one with its
+            parameters and connections; other options get their defaults
         :param ready: how long it may take to become ready; until then the old one is unaffected
         :param options: those of :meth:`start` from ``halted`` to ``log_level``, for the new one
         :raises hive.Error: "not_found", "type_mismatch", "refused", "name_taken" if it is already being replaced,

@@ -159,7 +159,9 @@ class Event:
         "hops", "The drones that it passed, and the time that each took.", lambda hops: [Hop(**hop) for hop in hops]
     )
     shares: list[Share] = _field(
-        "shares", "The shared work that it results from, outermost first.", lambda shares: [Share(**share) for share in shares]
+        "shares",
+        "The shared work that it results from, outermost first.",
+        lambda shares: [Share(**share) for share in shares],
     )
 
     def done(self) -> None:

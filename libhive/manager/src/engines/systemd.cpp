@@ -75,7 +75,9 @@ std::map<std::string, Properties> units_of(const std::vector<std::string>& drone
 {
     std::map<std::string, Properties> units;
     std::istringstream lines(
-        systemctl({"show", "--property=Id,Description,ActiveState,ExecMainCode,ExecMainStatus"}, drones).out + "\n");
+        systemctl({"show", "--property=Id,Description,FragmentPath,ActiveState,ExecMainCode,ExecMainStatus"}, drones)
+            .out
+        + "\n");
     Properties unit;
     for (std::string line; std::getline(lines, line);)
         if (const auto equals = line.find('='); equals != std::string::npos) {
@@ -123,6 +125,9 @@ void SystemdEngine::start_next(std::vector<Report>& reports)
         next.push_back(waiting_[i].name);
     std::optional<Error> unusable;
     try {
+        auto known = next.empty() ? std::map<std::string, Properties>() : units_of(next);
+        std::erase_if(next,
+                      [&](const auto& drone) { return known[unit_name(drone)]["Description"] != description(drone); });
         if (!next.empty())
             systemctl({"reset-failed"}, next);  // failed units of an earlier run are still loaded
     } catch (const Error& error) {
@@ -200,6 +205,9 @@ try {
 std::optional<Error> SystemdEngine::failure(const std::string& drone, const Unit& unit, bool at_start) const
 {
     auto known = units_of({drone})[unit_name(drone)];
+    if (const auto& file = known["FragmentPath"]; !file.empty() && file.find("/transient/") == std::string::npos)
+        return Error(Errc::refused, unit_name(drone) + " has a unit file, " + file,
+                     "remove it: rm " + file + " && systemctl --user daemon-reload");
     const bool loaded = known["ActiveState"] == "active" || known["ActiveState"] == "activating";
     if (loaded && known["Description"] != description(drone))
         return Error(Errc::refused, unit_name(drone) + " runs already, of another home",

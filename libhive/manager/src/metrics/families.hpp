@@ -83,8 +83,9 @@ inline constexpr Described in_progress{"hive_input_in_progress_events", gauge, "
                                        "Events that the drone's code works on."};
 
 // --- of both ends ---
-inline constexpr Described audit_lost{"hive_audit_lost_events", counter, "events",
-                                      "Events lost although no option allowed it, as hivectl audit counts them."};
+inline constexpr Described audit_lost{
+    "hive_audit_lost_events", counter, "events",
+    "Events lost although no option allowed it, as hivectl audit counts them, but for those of applications."};
 
 inline constexpr Described scrape_duration{"hive_scrape_duration_seconds", gauge, "seconds",
                                            "How long it took to query all drones."};

@@ -61,9 +61,9 @@ std::int64_t lost(const Ledger& events)
 
 /// @param peer  the receiver or the group; empty: the drone itself lost them, at an input
 void add_lost(Book& book, const std::string& drone, const std::string& port, const std::string& peer,
-              std::int64_t events, std::int64_t created)
+              const std::string& group, std::int64_t events, std::int64_t created)
 {
-    book.add(audit_lost, {{"drone", drone}, {"port", port}, {"peer", peer}}, count(events), created);
+    book.add(audit_lost, {{"drone", drone}, {"port", port}, {"peer", peer}, {"group", group}}, count(events), created);
 }
 
 void add_group(Book& book, const std::string& drone, const OutputStatus& output, const EdgeStatus& group,
@@ -76,7 +76,7 @@ void add_group(Book& book, const std::string& drone, const OutputStatus& output,
     });
     book.add(group_members, labels, count(members));
     add_account(book, {group_came, group_settled, group_in_flight}, labels, group.events, created);
-    add_lost(book, drone, output.name, group.receiver, lost(group.events), created);
+    add_lost(book, drone, output.name, group.receiver, name, lost(group.events), created);
 }
 
 void add_edge(Book& book, const std::string& from, const EdgeStatus& edge, std::int64_t created)
@@ -89,7 +89,7 @@ void add_edge(Book& book, const std::string& from, const EdgeStatus& edge, std::
     book.add(shared, labels, count(edge.shared), created);
     book.add(fallback, labels, count(edge.fallback), created);
     const auto [drone, output] = split(from);
-    add_lost(book, drone, output, edge.receiver, lost(edge.events), created);
+    add_lost(book, drone, output, edge.receiver, edge.options.group, lost(edge.events), created);
 }
 
 /// Applications have counters only while they receive, and a new name each time: they are counted, not listed.
@@ -128,7 +128,7 @@ void add_input(Book& book, const std::string& drone, const InputStatus& input, s
         book.add(input_settled, with(labels, "fate", fate), count(events), created);
     book.add(queued, labels, count(input.queued));
     book.add(in_progress, labels, count(input.in_hand));
-    add_lost(book, drone, input.input, "", input.abandoned + input.dropped, created);
+    add_lost(book, drone, input.input, "", "", input.abandoned + input.dropped, created);
 }
 
 void add_distance(Book& book, const std::string& drone, const InputStatus& input)

@@ -54,7 +54,7 @@ public:
     /// Dials and registers. `first` gets the outcome of the first attempt that is answered, or of the third; of the
     /// first one if there is no time for another one until then. Later losses are repaired silently.
     void start(OnOutcome first, Clock::time_point until = {});
-    /// Does somebody wait for the outcome of three attempts? Then another one may wait for it as well.
+    /// True while a caller waits for the outcome of three attempts. Then another one may wait for it as well.
     [[nodiscard]] bool awaited() const noexcept { return first_ && first_until_ != Clock::time_point(); }
     void await(OnOutcome another, Clock::time_point until);
     /// Continues with other options at the same place, so that nothing is lost or repeated. If the sender refuses them,

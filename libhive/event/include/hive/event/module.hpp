@@ -51,7 +51,8 @@ public:
         transport::Timing timing;
         std::shared_ptr<transport::KeyRing> keys = {};  ///< for tcp; null: unencrypted, and every peer is a member
         std::size_t most_dialed = 0;                    ///< above this number idle links are closed; 0: unlimited
-        /// Will somebody listen there soon? Then a refused dial is repeated until its deadline. Needs most_dialing.
+        /// True if a process will listen at this address soon. Then a refused dial is repeated until its deadline.
+        /// Needs most_dialing.
         std::function<bool(const transport::Address&)> listens_soon = {};
         std::size_t most_dialing = 0;  ///< maximum at once, except slow ones; others wait; 0: unlimited
         Log log = [](LogLevel, const std::string&) {};  ///< any thread
