@@ -7,8 +7,10 @@ Runs the cases "explain:*" of each program. They append one line per injected ca
 cause of the list below must be among them.
 """
 import json
+import multiprocessing.pool
 import os
 import pathlib
+import re
 import subprocess
 import sys
 import tempfile
@@ -69,23 +71,30 @@ CAUSES = [
 SKIPPED = 77  # the exit code of a test that lacks something
 
 
+def cases_of(program):
+    """A command for each case: most of them wait, so several run at a time."""
+    listed = subprocess.run([program, "--list-test-cases", "--test-case=explain*"], capture_output=True, text=True, check=True)
+    names = [line for line in listed.stdout.splitlines() if line.startswith("explain")]
+    return [[program, "--test-case=" + re.sub(r"[,\\]", "?", name)] for name in names]
+
+
 def injected_by(programs):
     """The rows of all programs, and whether a case was skipped."""
-    skipped = False
-    with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory() as folder, multiprocessing.pool.ThreadPool(4) as pool:
         file = pathlib.Path(folder, "explained")
         file.touch()
-        for program in programs:
-            done = subprocess.run([program, "--test-case=explain*"], env={**os.environ, "HIVE_EXPLAINED": str(file)},
-                                  capture_output=True, text=True, check=False)
+        env = {**os.environ, "HIVE_EXPLAINED": str(file)}
+
+        def run(command):
+            return command, subprocess.run(command, env=env, capture_output=True, text=True, check=False)
+
+        skipped = False
+        for command, done in pool.imap(run, [case for program in programs for case in cases_of(program)]):
             if done.returncode not in (0, 1, 77):
-                sys.exit(f"{program} ended with {done.returncode}:\n{done.stdout[-2000:]}{done.stderr[-2000:]}")
+                sys.exit(f"{command} ended with {done.returncode}:\n{done.stdout[-2000:]}{done.stderr[-2000:]}")
             if done.returncode == 1:
                 print(done.stdout[-4000:])
-            for line in (done.stdout + done.stderr).splitlines():
-                if "skipped: " in line:
-                    skipped = True
-                    print(line)
+            skipped = skipped or done.returncode == 77
         return [json.loads(line) for line in file.read_text().splitlines()], skipped
 
 
