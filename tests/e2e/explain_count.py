@@ -50,7 +50,7 @@ CAUSES = [
     ("on demand only watched", "watched", "only headers"),
     ("on demand only viewers", "watched", "only viewers"),
     ("place kept for a receiver", "receiver_away", ""),
-    ("on demand nobody asks, who", "waits", "does not request"),
+    ("a source on demand, and the receiver that requests nothing", "waits", "does not request"),
     ("group without members", "not_running", "lost its members"),
     ("group member with leases is suspended", "suspended", "lost its members"),
     ("lease running", "slow", "a member of a group"),

@@ -1,4 +1,4 @@
-// What systemd is told of a drone, in a unit file of an export and on the command line of systemd-run.
+// Properties of a drone's systemd unit, for the unit files of an export and for systemd-run.
 #pragma once
 
 #include <hive/swarm_plan.hpp>
