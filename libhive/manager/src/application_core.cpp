@@ -187,12 +187,12 @@ void Application::Core::begin(const std::shared_ptr<Asking>& asking)
     module.with_link(transport::parse_address(asking->place.address), asking->until,
                      [this, asking](const Result<event::LinkPtr>& found) {
                          const auto link = value_or_none(found);
-                         if (const auto* error = error_of(found)) {
-                             const bool lost = error->code() == Errc::connection_lost;  // by the old process
+                         if (const auto* failure = error_of(found)) {
+                             const bool lost = failure->code() == Errc::connection_lost;  // by the old process
                              if (lost && std::exchange(asking->again, false))
                                  module.post([this, asking] { begin(asking); });
                              else
-                                 *asking->reply = *error;
+                                 *asking->reply = *failure;
                          } else if (auto wrong = wrong_peer(asking->place, *link)) {
                              *asking->reply = *std::move(wrong);
                          } else {

@@ -93,6 +93,9 @@ void make_fit_for_restart(const event::Home& home, DroneOrder& order)
     const auto state = home.read_state(order.name).value_or(Json::object());
     const Fields fields(state, "the state of " + order.name);
     const auto kind = fields.has("kind") ? fields.text("kind") : kind_by_name(order.name).value_or("");
+    if (order.kind.empty() && kind.empty())
+        throw Error(Errc::not_found, order.name + " has saved no state, so its kind is unknown",
+                    "say what it is: --kind KIND");
     complete_kind(order, kind);
     const auto next = interface_of(order.kind);
     if (fields.has("kind") && next.kind != kind)
