@@ -81,13 +81,13 @@ int run(const Options& options, Session& session)
     std::optional<Progress> progress(std::in_place, application, true);
     const int code = print_lines({.verb = "collect",
                                   .count = options.count,
-                                  .patience = session.patience(),
+                                  .timeout = session.given_timeout(),
                                   .reason = [&] { return silence_reason(application, outputs); },
                                   .ended = [&] { return options.stay ? std::nullopt : collector->ended(); },
                                   .what = names_text(texts_of(outputs)),
                                   .silence = [&] { report_silence("collect", application, outputs); }},
-                                 [&](auto patience) -> std::optional<std::string> {
-                                     const auto set = collector->next(patience);
+                                 [&](auto timeout) -> std::optional<std::string> {
+                                     const auto set = collector->next(timeout);
                                      if (set && set->front().identity.lossless)
                                          progress->note(set->front().identity);
                                      return set ? std::optional(line_of(*set)) : std::nullopt;

@@ -133,9 +133,9 @@ std::string line_of(const hive::Event& event, bool json)
 int follow(const std::vector<std::string>& drones, const Options& options, Session& session)
 {
     const auto collector = session.application().exceptions(drones);
-    return print_lines({.verb = "exceptions", .count = options.count, .patience = session.patience()},
-                       [&](auto patience) -> std::optional<std::string> {
-                           const auto event = collector->next(patience);
+    return print_lines({.verb = "exceptions", .count = options.count, .timeout = session.given_timeout()},
+                       [&](auto timeout) -> std::optional<std::string> {
+                           const auto event = collector->next(timeout);
                            return event ? std::optional(line_of(*event, session.json)) : std::nullopt;
                        });
 }

@@ -71,9 +71,9 @@ std::streamoff print_new(const std::filesystem::path& file, std::streamoff from,
 int follow(const std::filesystem::path& file, std::streamoff from, const Options& options, Session& session)
 {
     const interrupt::Deferred deferred;
-    const auto patience = session.patience();
+    const auto timeout = session.given_timeout();
     const auto end =
-        patience ? std::chrono::steady_clock::now() + *patience : std::chrono::steady_clock::time_point::max();
+        timeout ? std::chrono::steady_clock::now() + *timeout : std::chrono::steady_clock::time_point::max();
     while (interrupt::sleep(100ms)) {
         from = print_new(file, from, options, session.json);
         if (std::chrono::steady_clock::now() >= end)

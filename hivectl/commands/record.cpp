@@ -67,7 +67,7 @@ hive::CollectOptions collecting(const Options& options)
 
 /// The writer has how the recording ended; the exit code covers other failures.
 int take_events(hive::Collector& collector, hive::recording::Writer& writer, Progress& progress, Waiting& waiting,
-                const Options& options, std::optional<std::chrono::milliseconds> patience,
+                const Options& options, std::optional<std::chrono::milliseconds> timeout,
                 const std::function<std::string()>& reason)
 {
     const auto limit = options.seconds
@@ -88,10 +88,10 @@ int take_events(hive::Collector& collector, hive::recording::Writer& writer, Pro
         } else if (const auto end = options.stay ? std::nullopt : collector.ended()) {
             writer.finish(end->empty() ? "end of source" : "end of source: " + *end);
             return exit_code_at_end("record", *end);
-        } else if (patience && Clock::now() - last >= *patience) {
+        } else if (timeout && Clock::now() - last >= *timeout) {
             writer.finish("nothing came");
             return fail("record", hive::Errc::timeout,
-                        "no event for " + duration_text(*patience / 1us) + "; " + reason());
+                        "no event for " + duration_text(*timeout / 1us) + "; " + reason());
         }
         writer.look(Clock::now());
     }
@@ -168,7 +168,7 @@ int run(const Options& options, Session& session)
     const int code = [&] {
         Progress progress(application, false);
         Waiting waiting(names_text(texts_of(outputs)));
-        return take_events(*collector, writer, progress, waiting, options, session.patience(),
+        return take_events(*collector, writer, progress, waiting, options, session.given_timeout(),
                            [&] { return silence_reason(application, outputs); });
     }();
     note_losses(application, *collector, writer);

@@ -90,13 +90,13 @@ int run(const Options& options, Session& session)
     const auto print = [&] {
         return print_lines({.verb = "results",
                             .count = options.count,
-                            .patience = session.patience(),
+                            .timeout = session.given_timeout(),
                             .reason = [&] { return silence_reason(application, outputs); },
                             .ended = [&] { return options.stay ? std::nullopt : collector->ended(); },
                             .what = names_text(texts_of(outputs)),
                             .silence = [&] { look_why(options, application, outputs); }},
-                           [&](auto patience) -> std::optional<std::string> {
-                               const auto event = collector->next(patience);
+                           [&](auto timeout) -> std::optional<std::string> {
+                               const auto event = collector->next(timeout);
                                lossless = lossless || (event && event->identity.lossless);
                                if (event && event->identity.lossless)
                                    progress.note(event->identity);

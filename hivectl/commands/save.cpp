@@ -148,12 +148,12 @@ int run(const Options& options, Session& session)
 void declare(CommandLine& line, Options& options)
 {
     line.option("NAME", options.from, "drone or drone.output; omit the output if only one sends images").required();
-    line.option("FILE", options.file, "a video (.mp4 .mov .mkv .avi), or a folder of pictures (NAME/)").required();
-    line.option("-n", options.count, "end after this many pictures").count(2'000'000'000);
+    line.option("FILE", options.file, "a video (.mp4 .mov .mkv .avi), or a folder of images (NAME/)").required();
+    line.option("-n", options.count, "end after this many images").count(2'000'000'000);
     line.option("--fps", options.fps, "write at this rate (default: keep the time of each image)")
         .type_name("FPS")
         .between(0.0, 1000.0);
-    line.option("--quality", options.quality, "of the pictures (default 80)").type_name("1-100").between(1, 100);
+    line.option("--quality", options.quality, "of the images (default 80)").type_name("1-100").between(1, 100);
     line.flag("--overwrite", options.overwrite, "replace the file if it is there");
 }
 
@@ -169,7 +169,7 @@ Verb verb()
                        "drone of kind write. Each image keeps its time: that in its source file, or of its capture. A "
                        "truncated file is still playable.",
             .examples = "hivectl save face.annotated faces.mp4\n"
-                        "hivectl save camera pictures/ -n 100",
+                        "hivectl save camera images/ -n 100",
             .timeout = "give up if a drone does not answer in time (default 10)",
             .operands = {Operand::sender, Operand::file},
             .declare = with(declare, run)};

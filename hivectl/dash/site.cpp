@@ -35,7 +35,7 @@ std::uint64_t number_in(const std::string& text)
 hive::http::Answer json(const hive::Json& value) { return {.type = "application/json", .body = json_text(value)}; }
 
 /// The result of image_of.
-hive::http::Answer image(const hive::Json& result)
+hive::http::Answer image_answer(const hive::Json& result)
 {
     if (result.contains("error"))
         return sentence(404, printable(result.at("error").at("text").get<std::string>()));
@@ -55,7 +55,7 @@ Site::Site(Settings settings)
       watch_(settings_.home, 1s, [this] { wake(); }),
       orders_(settings_.home, settings_.timeout, [this] { wake(); }),
       questions_(settings_.home, settings_.timeout, [this] { wake(); }),
-      pictures_(settings_.home, [this] { wake(); })
+      images_(settings_.home, [this] { wake(); })
 {
 }
 
@@ -108,8 +108,8 @@ Site::Answer Site::answer_get(const Words& path, const Request& request, Visit& 
         return events(visit);
     if (request.path == "/graph.svg")
         return drawing();
-    if (path.size() == 4 && path[0] == "picture")
-        return picture(path, visit);
+    if (path.size() == 4 && path[0] == "image")
+        return image(path, visit);
     if (path.size() == 2 && path[0] == "drone" && snapshot)
         return json(drone_details(*snapshot, path[1]));
     if (path.size() == 2 && path[0] == "edge" && snapshot)
@@ -119,7 +119,8 @@ Site::Answer Site::answer_get(const Words& path, const Request& request, Visit& 
             questions_, visit, [&] { return ask_of(path[1]); }, json);
     if (path.size() == 3 && path[0] == "failure")
         return errand(
-            questions_, visit, [&] { return image_of(path[1], static_cast<std::int64_t>(number_in(path[2]))); }, image);
+            questions_, visit, [&] { return image_of(path[1], static_cast<std::int64_t>(number_in(path[2]))); },
+            image_answer);
     if (path.size() == 3 && path[0] == "advice")
         return errand(
             questions_, visit, [&] { return advise_of(path[1], path[2]); }, json);
@@ -147,14 +148,14 @@ Site::Answer Site::drawing() const
 }
 
 /// Waits shortly for a newer image than the page has, so that a page requests no more often than it gets one.
-Site::Answer Site::picture(const Words& path, Visit& visit)
+Site::Answer Site::image(const Words& path, Visit& visit)
 {
     constexpr std::uint64_t moment_ms = 250;
     const auto now_ms = static_cast<std::uint64_t>(visit.now.time_since_epoch() / 1ms);
     if (!visit.again)
         visit.mark = now_ms;
     const auto after = number_in(path[3]);
-    auto newest = pictures_.newest(path[1], width_for(number_in(path[2])), after, visit.now);
+    auto newest = images_.newest(path[1], width_for(number_in(path[2])), after, visit.now);
     if (!newest.problem.empty())
         return sentence(503, printable(newest.problem));
     if (newest.version > after)

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "errands.hpp"
-#include "pictures.hpp"
+#include "images.hpp"
 #include "watch.hpp"
 
 #include <hive/http/server.hpp>
@@ -36,7 +36,7 @@ private:
     Answer answer_get(const Words& path, const Request& request, Visit& visit);
     Answer events(const Visit& visit);
     [[nodiscard]] Answer drawing() const;
-    Answer picture(const Words& path, Visit& visit);
+    Answer image(const Words& path, Visit& visit);
     /// Requests to drones: started at the first call, and answered when done.
     using ToAnswer = hive::http::Answer (*)(const hive::Json& result);
     template <typename MakeWork>
@@ -45,7 +45,7 @@ private:
     const Settings settings_;
     Watch watch_;
     Errands orders_, questions_;  ///< separate, so that a command never waits for a query
-    Pictures pictures_;
+    Images images_;
 };
 
 }  // namespace hivectl::dash

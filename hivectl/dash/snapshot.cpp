@@ -41,11 +41,11 @@ Json drone_row(const hive::StatusAnswer& answer, const Row& rates)
              {"slowest", rates["slowest"] == true},
              {"why", hive::token(status.why)},
              {"thrown", status.last_exception ? Json(status.last_exception->time_us) : Json()}};
-    Json pictures = Json::array(), held = Json::array();
+    Json images = Json::array(), held = Json::array();
     for (const auto& output : status.outputs)
         if (output.type.find("image/") != std::string::npos)
-            (waits_for_receiver(status, output) ? held : pictures).push_back(output.name);
-    row["pictures"] = pictures;
+            (waits_for_receiver(status, output) ? held : images).push_back(output.name);
+    row["images"] = images;
     row["held"] = held;
     return row;
 }
@@ -53,8 +53,8 @@ Json drone_row(const hive::StatusAnswer& answer, const Row& rates)
 /// The row of an application, or of a drone that crashed.
 Json row_without_status(const hive::GraphDrone& drone)
 {
-    return {{"name", drone.name}, {"host", drone.host},        {"kind", ""},           {"state", drone.state},
-            {"note", drone.note}, {"pictures", Json::array()}, {"held", Json::array()}};
+    return {{"name", drone.name}, {"host", drone.host},      {"kind", ""},           {"state", drone.state},
+            {"note", drone.note}, {"images", Json::array()}, {"held", Json::array()}};
 }
 
 bool has_status(const Look& look, const std::string& drone)

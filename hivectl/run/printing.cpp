@@ -31,7 +31,7 @@ int print_lines(const PrintUntil& until,
     Waiting waiting(until.what);
     bool told = false;
     for (std::int64_t printed = 0; !interrupt::requested();) {
-        if (const auto line = next(std::min(until.patience.value_or(100ms), 100ms))) {
+        if (const auto line = next(std::min(until.timeout.value_or(100ms), 100ms))) {
             write_out(*line);
             if (++printed == until.count)
                 return exit_code::done;
@@ -40,9 +40,9 @@ int print_lines(const PrintUntil& until,
             told = false;
         } else if (const auto end = until.ended ? until.ended() : std::nullopt) {
             return exit_code_at_end(until.verb, *end);
-        } else if (until.patience && Clock::now() - last >= *until.patience) {
+        } else if (until.timeout && Clock::now() - last >= *until.timeout) {
             return fail(until.verb, hive::Errc::timeout,
-                        "no event for " + duration_text(*until.patience / 1us)
+                        "no event for " + duration_text(*until.timeout / 1us)
                             + (until.reason ? "; " + until.reason() : ""));
         } else if (until.silence && Clock::now() - last >= silence && !std::exchange(told, true)) {
             until.silence();

@@ -10,9 +10,9 @@
 namespace hivectl {
 
 struct PrintUntil {
-    std::string verb;                                        ///< for messages
-    std::int64_t count = 0;                                  ///< lines; 0: unlimited
-    std::optional<std::chrono::milliseconds> patience = {};  ///< give up after this long without a line; empty: never
+    std::string verb;                                       ///< for messages
+    std::int64_t count = 0;                                 ///< lines; 0: unlimited
+    std::optional<std::chrono::milliseconds> timeout = {};  ///< give up after this long without a line; empty: never
     std::function<std::string()> reason = {};  ///< called when nothing arrives: the likely cause, or a command
     /// Called when nothing arrives: the missing events, if everything has ended. Empty: continue anyway.
     std::function<std::optional<std::string>()> ended = {};

@@ -23,7 +23,7 @@ public:
     /// The value of --timeout, or the verb's own default.
     [[nodiscard]] std::chrono::milliseconds timeout(std::chrono::milliseconds fallback = std::chrono::seconds(5)) const;
     /// The value of --timeout; nothing: no limit.
-    [[nodiscard]] std::optional<std::chrono::milliseconds> patience() const
+    [[nodiscard]] std::optional<std::chrono::milliseconds> given_timeout() const
     {
         return timeout_s ? std::optional(timeout()) : std::nullopt;
     }

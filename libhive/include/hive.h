@@ -369,7 +369,8 @@ HIVE_API hive_code hive_application_get(hive_application* application, const cha
 HIVE_API hive_code hive_application_get_all(hive_application* application, const char* drones, const char* names,
                                             char** answers);
 
-/* Receives from ["face.faces", ...]. Options: "connection" {as for connect; "window" 64}, "ordered", "patience_ms". */
+/* Receives from ["face.faces", ...]. Options: "connection" {as for connect; "window" 64}, "ordered",
+ * "reorder_timeout_ms". */
 HIVE_API hive_code hive_application_collect(hive_application* application, const char* outputs, const char* options,
                                             hive_collector** collector);
 /* Receives sets of events that belong together, one of each of two or more outputs; `match` as for

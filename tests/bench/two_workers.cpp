@@ -28,7 +28,7 @@ using namespace hive::test;
 using Seconds = std::chrono::duration<double>;
 namespace fs = std::filesystem;
 
-constexpr int clip_pictures = 12;
+constexpr int clip_images = 12;
 constexpr double scale = 1.05;
 constexpr auto cascade_file = "/usr/share/opencv4/haarcascades/haarcascade_frontalface_default.xml";
 
@@ -36,7 +36,7 @@ void make_clip(const fs::path& folder)
 {
     fs::create_directories(folder);
     const camera::Scene scene({.faces = 2});
-    for (int i = 0; i < clip_pictures; ++i) {
+    for (int i = 0; i < clip_images; ++i) {
         char name[32];
         std::snprintf(name, sizeof name, "%03d.jpg", i);
         cv::imwrite((folder / name).string(), scene.frame(i * 10).image, {cv::IMWRITE_JPEG_QUALITY, 90});
@@ -49,34 +49,34 @@ std::vector<unsigned char> bytes_of(const fs::path& file)
     return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/// What one worker does to a picture, in plain OpenCV.
+/// What one worker does to an image, in plain OpenCV.
 void process(cv::CascadeClassifier& cascade, const std::vector<unsigned char>& jpeg)
 {
-    cv::Mat picture = cv::imdecode(jpeg, cv::IMREAD_COLOR), grey;
-    cv::cvtColor(picture, grey, cv::COLOR_BGR2GRAY);
+    cv::Mat image = cv::imdecode(jpeg, cv::IMREAD_COLOR), grey;
+    cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
     std::vector<cv::Rect> faces;
     cascade.detectMultiScale(grey, faces, scale, 5, 0, {24, 24});
     for (const auto& box : faces)
-        cv::rectangle(picture, box, {0, 255, 0}, 2);
+        cv::rectangle(image, box, {0, 255, 0}, 2);
     std::vector<unsigned char> out;
-    cv::imencode(".jpg", picture, out, {cv::IMWRITE_JPEG_QUALITY, 80});
+    cv::imencode(".jpg", image, out, {cv::IMWRITE_JPEG_QUALITY, 80});
 }
 
-/// The child's part of a bare loop: prints pictures a second.
+/// The child's part of a bare loop: prints frames per second.
 int bare_loop(const fs::path& clip, double seconds)
 {
     cv::setNumThreads(1);
     cv::CascadeClassifier cascade;
     if (!cascade.load(cascade_file))
         return 1;
-    std::vector<std::vector<unsigned char>> pictures;
+    std::vector<std::vector<unsigned char>> images;
     for (const auto& entry : fs::directory_iterator(clip))
-        pictures.push_back(bytes_of(entry.path()));
-    process(cascade, pictures.front());
+        images.push_back(bytes_of(entry.path()));
+    process(cascade, images.front());
     const auto begin = Clock::now();
     int count = 0;
-    while (Seconds(Clock::now() - begin).count() < seconds || count % clip_pictures != 0)
-        process(cascade, pictures[static_cast<std::size_t>(count++ % clip_pictures)]);
+    while (Seconds(Clock::now() - begin).count() < seconds || count % clip_images != 0)
+        process(cascade, images[static_cast<std::size_t>(count++ % clip_images)]);
     std::printf("%.4f\n", count / Seconds(Clock::now() - begin).count());
     return 0;
 }
@@ -132,11 +132,11 @@ double swarm_rate(const fs::path& clip, int workers, double seconds)
         if (!event || event->identity.sequence != ++expected || event->body.empty())
             throw std::runtime_error("result " + std::to_string(expected) + " was lost, doubled or empty");
     };
-    for (int i = 0; i < 2 * clip_pictures; ++i)
+    for (int i = 0; i < 2 * clip_images; ++i)
         take();
     const auto begin = Clock::now();
     int count = 0;
-    while (Seconds(Clock::now() - begin).count() < seconds || count % clip_pictures != 0) {
+    while (Seconds(Clock::now() - begin).count() < seconds || count % clip_images != 0) {
         take();
         ++count;
     }
@@ -172,7 +172,7 @@ int run(int rounds, double seconds, bool json, const fs::path& out)
         hive1.push_back(swarm_rate(clip, 1, seconds));
         bare2.push_back(bare_rate(clip, 2, seconds));
         hive2.push_back(swarm_rate(clip, 2, seconds));
-        std::fprintf(stderr, "round %d: bare %.2f and %.2f, Hive %.2f and %.2f pictures/s\n", round + 1, bare1.back(),
+        std::fprintf(stderr, "round %d: bare %.2f and %.2f, Hive %.2f and %.2f frames/s\n", round + 1, bare1.back(),
                      bare2.back(), hive1.back(), hive2.back());
     }
     fs::remove_all(scratch);

@@ -12,7 +12,7 @@ using hive::transport::Pool;
 
 namespace {
 
-constexpr std::size_t picture = 1u << 20;
+constexpr std::size_t image = 1u << 20;
 
 struct SharingPair : Pair {
     std::shared_ptr<Pool> pool = std::make_shared<Pool>(Pool::Limits{.bytes = 256u << 20, .segment_bytes = 8u << 20});
@@ -22,7 +22,7 @@ struct SharingPair : Pair {
     SharingPair(const SharingPair&) = delete;
     SharingPair& operator=(const SharingPair&) = delete;
 
-    Body filled(int with, std::size_t size = picture)
+    Body filled(int with, std::size_t size = image)
     {
         auto loan = pool->loan(size);
         REQUIRE(loan);
@@ -65,7 +65,7 @@ TEST_CASE("shared memory: a body arrives with its bytes and without being copied
     SharingPair pair;
     CHECK(pair.send(pair.filled(42)) == Carriage::reference);
     auto bodies = pair.received(1);
-    REQUIRE(bodies[0].size() == picture);
+    REQUIRE(bodies[0].size() == image);
     CHECK(bodies[0].foreign());
     CHECK(std::ranges::all_of(bodies[0].bytes(), [](std::byte byte) { return byte == std::byte{42}; }));
     CHECK(pair.pool->usage().slots_in_use == 1);
@@ -76,18 +76,18 @@ TEST_CASE("shared memory: a body arrives with its bytes and without being copied
 TEST_CASE("shared memory: a part of a slot, a small body and one of ordinary memory all arrive")
 {
     SharingPair pair;
-    auto loan = pair.pool->loan(picture);
-    std::memset(loan->data(), 5, picture);
+    auto loan = pair.pool->loan(image);
+    std::memset(loan->data(), 5, image);
     CHECK(pair.send(std::move(*loan).body(9999)) == Carriage::reference);
     CHECK(pair.send(std::string(100, 'a')) == Carriage::inside);
-    CHECK(pair.send(std::string(picture, 'b')) == Carriage::fallback);
+    CHECK(pair.send(std::string(image, 'b')) == Carriage::fallback);
     const auto bodies = pair.received(3);
     CHECK(bodies[0].size() == 9999);
     CHECK(bodies[0].data()[9998] == 5);
     CHECK(bodies[1].data()[99] == 'a');
     CHECK_FALSE(bodies[1].foreign());
-    CHECK(bodies[2].size() == picture);
-    CHECK(bodies[2].data()[picture - 1] == 'b');
+    CHECK(bodies[2].size() == image);
+    CHECK(bodies[2].data()[image - 1] == 'b');
 }
 
 TEST_CASE("shared memory: bodies by reference and in packets keep their order, and neither counts as control")
@@ -107,16 +107,15 @@ TEST_CASE("shared memory: bodies by reference and in packets keep their order, a
     }
 }
 
-TEST_CASE("shared memory: two thousand pictures through eight slots, all intact and none lost")
+TEST_CASE("shared memory: two thousand images through eight slots, all intact and none lost")
 {
     SharingPair pair;
     constexpr int count = 2000;
     int sent = 0, arrived = 0, wrong = 0, shared = 0;
     pair.listening.on_packet = [&](const Packet& packet) {
         const auto* bytes = packet.body.data();
-        wrong += bytes[0] != arrived % 256 || bytes[picture / 2] != arrived % 256 || bytes[picture - 1] != arrived % 256
-                     ? 1
-                     : 0;
+        wrong +=
+            bytes[0] != arrived % 256 || bytes[image / 2] != arrived % 256 || bytes[image - 1] != arrived % 256 ? 1 : 0;
         ++arrived;
     };
     while (arrived < count) {
@@ -140,16 +139,16 @@ TEST_CASE(
     std::vector<Body> hoard;
     int shared = 0;
     for (int i = 0; i < 30; ++i) {
-        auto loan = hoarder.pool->loan(picture);
+        auto loan = hoarder.pool->loan(image);
         REQUIRE(loan);  // the producer is never without
-        std::memset(loan->data(), i, picture);
+        std::memset(loan->data(), i, image);
         shared += hoarder.send(std::move(*loan)) == Carriage::reference ? 1 : 0;
         for (auto& body : hoarder.received(1))
             hoard.push_back(std::move(body));
     }
     CHECK(shared == 6);  // of 8 slots
     for (int i = 0; i < 30; ++i)
-        CHECK(hoard[static_cast<std::size_t>(i)].data()[picture - 1] == i);
+        CHECK(hoard[static_cast<std::size_t>(i)].data()[image - 1] == i);
     hoard.clear();
     CHECK(hoarder.until_in_use(0));
     CHECK(hoarder.send(hoarder.filled(1)) == Carriage::reference);
@@ -165,8 +164,8 @@ TEST_CASE("shared memory: slots come back when the receiver's end closes, and wh
     REQUIRE(pair.loop.until([&] { return pair.dialing.closed == 1; }));
     CHECK(pair.until_in_use(0));
     std::vector<Body> overwriting{pair.filled(99), pair.filled(99)};
-    CHECK(bodies[0].data()[picture / 2] == 1);
-    CHECK(bodies[1].data()[picture / 2] == 2);
+    CHECK(bodies[0].data()[image / 2] == 1);
+    CHECK(bodies[1].data()[image / 2] == 2);
 }
 
 TEST_CASE("shared memory: who cuts a peer off leaves it its slots for a while")

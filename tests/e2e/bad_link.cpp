@@ -117,10 +117,10 @@ private:
         for (const auto& line : lines_)
             until = std::min(until, line.next().value_or(until));
         const auto time = std::max<Clock::duration>(until - Clock::now(), 0ns);
-        const timespec patience{0, std::chrono::nanoseconds(time).count()};
+        const timespec timeout{0, std::chrono::nanoseconds(time).count()};
         std::array<pollfd, 2> watched{pollfd{ends_[0]->descriptor(), POLLIN, 0},
                                       pollfd{ends_[1]->descriptor(), POLLIN, 0}};
-        ::ppoll(watched.data(), watched.size(), &patience, nullptr);
+        ::ppoll(watched.data(), watched.size(), &timeout, nullptr);
     }
     void carry(std::size_t from)
     {

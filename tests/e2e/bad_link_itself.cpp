@@ -101,8 +101,8 @@ private:
     /// How long recv() waits.
     void wait_for(Milliseconds time) const
     {
-        const timeval patience{time.count() / 1000, time.count() % 1000 * 1000};
-        ::setsockopt(receiving_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+        const timeval timeout{time.count() / 1000, time.count() % 1000 * 1000};
+        ::setsockopt(receiving_, SOL_SOCKET, SO_RCVTIMEO, &timeout, sizeof timeout);
     }
     void send(int number) const
     {

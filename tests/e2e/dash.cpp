@@ -59,7 +59,7 @@ TEST_CASE("dash: who has not the token sees nothing, and other sites change noth
     const std::string order = R"({"do": "halt", "drone": "camera"})";
     const auto halted = [&] { return swarm.application().status("camera").state == hive::State::halted; };
     for (const auto* path : {"/", "/events", "/dash.js", "/graph.svg", "/drone/camera", "/ask/camera",
-                             "/picture/camera.tick/320/0", "/failure/camera/1", "/advice/camera/fps"}) {
+                             "/image/camera.tick/320/0", "/failure/camera/1", "/advice/camera/fps"}) {
         CHECK_MESSAGE(page.curl(path, {}).ends_with("403"), path);
         CHECK_MESSAGE(page.curl(path, {"-b", page.cookie(), "-H", "Host: evil.example"}).ends_with("403"), path);
         CHECK_MESSAGE(page.curl(path, {"-b", page.cookie(), "-H", "Sec-Fetch-Site: cross-site"}).ends_with("403"),
@@ -197,7 +197,7 @@ TEST_CASE("dash: Ctrl-C ends it within a second or so, whatever is under way")
     hung.signal(SIGSTOP);
     const SlowDot dot(swarm);
     Page page(swarm, {"--timeout", "30"});
-    const std::array under_way{page.begin("/events"), page.begin("/ask/hung"), page.begin("/picture/hung.tick/320/0"),
+    const std::array under_way{page.begin("/events"), page.begin("/ask/hung"), page.begin("/image/hung.tick/320/0"),
                                page.begin("/orders", R"({"do": "halt", "drone": "hung"})"),
                                page.begin("/orders", R"({"do": "replace", "drone": "worker"})")};
     CHECK(eventually([&] { return dot.begun(); }));
@@ -217,13 +217,13 @@ TEST_CASE("dash: an image is a JPEG of the width that is asked for, and an outpu
     const Page page(swarm);
     const auto file = (swarm.home() / "image.jpg").string();
     REQUIRE(eventually([&] {
-        return page.curl("/picture/camera.image/300/0", {"-b", page.cookie(), "-o", file}) == "200";
+        return page.curl("/image/camera.image/300/0", {"-b", page.cookie(), "-o", file}) == "200";
     }));
     const auto kind = swarm.run({"/usr/bin/file", file}).out;
     CHECK_MESSAGE(has(kind, "JPEG"), kind);
     CHECK_MESSAGE(has(kind, "320x180"), kind);
-    CHECK(eventually([&] { return has(page.get("/picture/nobody.image/300/0"), "503"); }));
-    CHECK(eventually([&] { return has(page.get("/picture/ticker.nothing/300/0"), "nothing"); }));
+    CHECK(eventually([&] { return has(page.get("/image/nobody.image/300/0"), "503"); }));
+    CHECK(eventually([&] { return has(page.get("/image/ticker.nothing/300/0"), "nothing"); }));
 }
 
 TEST_CASE("dash: the image at which a drone failed is a JPEG that is shrunk to its box, also once it died")

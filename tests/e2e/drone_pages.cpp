@@ -114,8 +114,8 @@ void run_page(const std::string& folder)
     fs::copy_file(model.path(), swarm.home() / "yolov8n.onnx");
     std::ofstream(swarm.home() / "coco.names") << "person\n";
     const auto script = "port1=" + std::to_string(free_port()) + " port2=" + std::to_string(free_port())
-                        + " HOME=$PWD\n" + patient_reader + screen_for(page) + "of_reader=$patience patience=60\n"
-                        + page.before + "\npatience=$of_reader\n" + commands;
+                        + " HOME=$PWD\n" + patient_reader + screen_for(page) + "of_reader=$timeout timeout=60\n"
+                        + page.before + "\ntimeout=$of_reader\n" + commands;
     const auto finished = run_as_reader(swarm, script, sanitized() ? 10 : 1);
     CHECK_MESSAGE(finished.exit_code == 0, "exit code ", finished.exit_code, " of\n", commands, "\nit printed\n",
                   finished.out, finished.err);

@@ -94,7 +94,7 @@ bool is_jpeg(const hive::Event& event)
 
 }  // namespace
 
-TEST_CASE("encoding: on one machine a camera's pictures are plain pixels, also over TCP, unless JPEG is asked for")
+TEST_CASE("encoding: on one machine a camera's frames are plain pixels, also over TCP, unless JPEG is asked for")
 {
     const Swarm swarm;
     const auto camera = camera_with_port(swarm);
@@ -161,7 +161,7 @@ TEST_CASE(
     "encoding: a JPEG file travels byte for byte, on one machine and over TCP, unless another quality is asked for")
 {
     const Swarm swarm;
-    const auto file = swarm.home() / "picture.jpg";
+    const auto file = swarm.home() / "image.jpg";
     {
         const auto scene = swarm.drone("camera", "camera", {"fps=30"});
         swarm.hivectl_done({"snap", "camera", file.string()});
@@ -175,10 +175,10 @@ TEST_CASE(
     CHECK(coarse.next().body.size() < size);
 }
 
-TEST_CASE("encoding: a picture that cannot be encoded is an exception, and goes as it is")
+TEST_CASE("encoding: an image that cannot be encoded is an exception, and goes as it is")
 {
     const Swarm swarm;
-    const auto file = swarm.home() / "picture.jpg";
+    const auto file = swarm.home() / "image.jpg";
     {
         const auto scene = swarm.drone("camera", "camera", {"fps=30"});
         swarm.hivectl_done({"snap", "camera", file.string()});

@@ -181,7 +181,7 @@ TEST_CASE("pages: the commands on the page of Slurm work as they stand there")
         replace(commands, "\"on\": \"" + node + '"', "\"on\": \"" + node + R"(", "listen": ")" + address + '"');
         replace(commands, "tcp://" + node + ":7700", address);
     }
-    const std::string readers_patience = R"(set -e
+    const std::string readers_timeout = R"(set -e
 cd "$HIVE_HOME"
 unset SLURM_JOB_ID
 sbatch() { env --unset=HIVE_HOME sbatch "$@"; }
@@ -193,7 +193,7 @@ hivectl() {
     done
 }
 )";
-    std::ofstream(lab.swarm().home() / "page.sh") << readers_patience << commands;
+    std::ofstream(lab.swarm().home() / "page.sh") << readers_timeout << commands;
     const auto done = lab.shell("exec /bin/bash \"$HIVE_HOME/page.sh\"");
     CHECK_MESSAGE(done.exit_code == 0, "exit code ", done.exit_code, " of\n", commands, "\nit printed\n", done.out,
                   done.err);

@@ -86,7 +86,7 @@ inline void count(const std::string& injected, const Found& first)
 
 /// The explanation, once it is this one. Call it when the cause is in effect: the first cause that is named counts.
 inline Found awaited(const Shell& shell, const std::string& words, const std::string& causes,
-                     Milliseconds patience = Milliseconds(15'000))
+                     Milliseconds timeout = Milliseconds(15'000))
 {
     Found now, first;
     CHECK_MESSAGE(eventually(
@@ -96,7 +96,7 @@ inline Found awaited(const Shell& shell, const std::string& words, const std::st
                               first = now;
                           return now.causes == causes;
                       },
-                      patience),
+                      timeout),
                   now.text());
     count(causes.substr(0, causes.find(',')), first);
     return now;

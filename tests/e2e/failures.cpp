@@ -122,7 +122,7 @@ TEST_CASE("failures: they are saved as files that others open, and none is writt
     const Swarm swarm;
     auto application = swarm.application();
     auto victim = swarm.drone("breaker", "victim", {"how=null", "from=1"});
-    std::string body("\xff\xd8 as good as a picture");
+    std::string body("\xff\xd8 as good as an image");
     application.put({"victim", "image"}, Json{{"page", 3}}, Body(body), "image/jpeg");
     static_cast<void>(victim.wait(test::patient(20s)));
     CHECK(swarm.hivectl({"exceptions", "--save", (swarm.home() / "out").string()}).exit_code == 3);  // `put` keeps none
@@ -134,8 +134,8 @@ TEST_CASE("failures: they are saved as files that others open, and none is writt
     CHECK(swarm.hivectl_done({"exceptions", "thrower", "--save", out.string()})
           == (out / "thrower-1.image.jpg").string() + "\n" + (out / "thrower-1.image.json").string() + "\n"
                  + (out / "thrower-1.failure").string() + "\n");
-    std::ifstream picture(out / "thrower-1.image.jpg", std::ios::binary);
-    CHECK(std::string(std::istreambuf_iterator<char>(picture), {}) == body);
+    std::ifstream image(out / "thrower-1.image.jpg", std::ios::binary);
+    CHECK(std::string(std::istreambuf_iterator<char>(image), {}) == body);
     std::ifstream about(out / "thrower-1.image.json");
     const auto json = Json::parse(about);
     CHECK(json.at("text") == "broken, as told");

@@ -83,9 +83,9 @@ Lab::Lab(const std::vector<std::string>& names, const std::vector<std::string>& 
     write_ssh();
 }
 
-Finished Lab::shell(const std::string& line, Milliseconds patience) const
+Finished Lab::shell(const std::string& line, Milliseconds timeout) const
 {
-    return laptop_->swarm.run(on_laptop(line), patience);
+    return laptop_->swarm.run(on_laptop(line), timeout);
 }
 
 std::string Lab::shell_done(const std::string& line) const

@@ -52,7 +52,7 @@ public:
     explicit Lab(const std::vector<std::string>& names, const std::vector<std::string>& variables = {});
 
     /// Runs a shell command on the laptop, with hivectl, ssh and scp in its path and an empty home.
-    [[nodiscard]] Finished shell(const std::string& line, Milliseconds patience = Milliseconds(60'000)) const;
+    [[nodiscard]] Finished shell(const std::string& line, Milliseconds timeout = Milliseconds(60'000)) const;
     std::string shell_done(const std::string& line) const;
     std::string hivectl_done(const std::string& words) const { return shell_done("hivectl " + words); }
     /// Runs hivectl on the laptop in the background; its output goes to NAME.log in directory().

@@ -90,11 +90,11 @@ TEST_CASE(
 }
 
 TEST_CASE("slow receivers: at 30, 10 and 1 fps and one stopped, each keeps its own rate, and the camera at most two "
-          "pictures for each")
+          "images for each")
 {
     const Swarm swarm;
     const auto camera = swarm.drone("camera", "camera", {"fps=30"});
-    constexpr std::size_t picture = 640 * 480 * 3;
+    constexpr std::size_t image = 640 * 480 * 3;
     const auto fast = swarm.drone("sleeper", "fast"), slow = swarm.drone("sleeper", "slow", {"work_ms=100"}),
                slowest = swarm.drone("sleeper", "slowest", {"work_ms=1000"}),
                stopped = swarm.drone("sleeper", "stopped", {"work_ms=100"});
@@ -111,8 +111,8 @@ TEST_CASE("slow receivers: at 30, 10 and 1 fps and one stopped, each keeps its o
     const std::size_t grown = std::max(now, before) - before;
     stopped.signal(SIGCONT);
     MESSAGE("fast ", rate_of(came.at("fast")), ", slow ", rate_of(came.at("slow")), ", slowest ",
-            rate_of(came.at("slowest")), " events/s; the camera grew by ", grown / 1024, " KiB, a picture has ",
-            picture / 1024);
+            rate_of(came.at("slowest")), " events/s; the camera grew by ", grown / 1024, " KiB, an image has ",
+            image / 1024);
     if (!sanitized()) {
         const auto keeps_its_rate = [&](const std::string& receiver, double events_per_second) {
             CAPTURE(receiver);
@@ -123,7 +123,7 @@ TEST_CASE("slow receivers: at 30, 10 and 1 fps and one stopped, each keeps its o
         keeps_its_rate("fast", 30);
         keeps_its_rate("slow", 10);
         keeps_its_rate("slowest", 1);
-        CHECK(grown <= 4 * 2 * picture);
+        CHECK(grown <= 4 * 2 * image);
     }
     // It recovers by itself when it continues.
     const auto done = [&] { return at_inputs(application.status("stopped"), &hive::InputStatus::processed); };
@@ -183,7 +183,7 @@ TEST_CASE(
         CHECK(at_inputs(application.status(name), &hive::InputStatus::received) > 100);
 }
 
-TEST_CASE("replace: of a camera of 30 fps that a face finder works on, at most two pictures are skipped")
+TEST_CASE("replace: of a camera of 30 fps that a face finder works on, at most two frames are skipped")
 {
     if (!possible(missing_if_sanitized()))
         return;  // a measurement

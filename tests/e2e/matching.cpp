@@ -13,16 +13,16 @@ using hive::Json;
 
 namespace {
 
-constexpr int pictures = sanitized() ? 8 : 30;
+constexpr int images = sanitized() ? 8 : 30;
 
 hive::MatchingStatus matching(hive::Application& application) { return application.status("annotate").matching.at(0); }
 
 /// Is the box framed in green, at the middle of its left side?
-bool framed(const hive::Event& picture, const Json& box)
+bool framed(const hive::Event& image, const Json& box)
 {
     const auto x = box.at("x").get<std::size_t>(),
                y = box.at("y").get<std::size_t>() + box.at("h").get<std::size_t>() / 2;
-    const auto* pixel = picture.body.data() + y * picture.header.at("stride").get<std::size_t>() + 3 * x;
+    const auto* pixel = image.body.data() + y * image.header.at("stride").get<std::size_t>() + 3 * x;
     return pixel[0] == 60 && pixel[1] == 220 && pixel[2] == 60;
 }
 
@@ -55,23 +55,23 @@ private:
 
 }  // namespace
 
-TEST_CASE("annotate: on demand every picture is drawn with exactly its boxes, none is missing, none comes twice")
+TEST_CASE("annotate: on demand every image is drawn with exactly its boxes, none is missing, none comes twice")
 {
     AnnotateSwarm swarm;
     const auto boxes = swarm.application.collect({{"face-1", "faces"}});
     swarm.application.resume("camera");
-    for (std::int64_t expected = 1; expected <= pictures; ++expected) {
-        const auto picture = swarm.annotated->next(patient(5000ms)), found = boxes->next(patient(5000ms));
-        REQUIRE(picture);
+    for (std::int64_t expected = 1; expected <= images; ++expected) {
+        const auto image = swarm.annotated->next(patient(5000ms)), found = boxes->next(patient(5000ms));
+        REQUIRE(image);
         REQUIRE(found);
-        REQUIRE(picture->identity.source == "camera");
-        REQUIRE(picture->identity.sequence == expected);
+        REQUIRE(image->identity.source == "camera");
+        REQUIRE(image->identity.sequence == expected);
         REQUIRE(found->identity.sequence == expected);
-        CHECK(picture->identity.lossless);
-        CHECK(picture->header.at("marks") == found->header);
-        CHECK(picture->header.at("apart_ms") == 0);
+        CHECK(image->identity.lossless);
+        CHECK(image->header.at("marks") == found->header);
+        CHECK(image->header.at("apart_ms") == 0);
         for (const auto& box : found->header.at("faces"))
-            CHECK(framed(*picture, box));
+            CHECK(framed(*image, box));
     }
     const auto counts = matching(swarm.application);
     CHECK(counts.unmatched == 0);
@@ -79,41 +79,41 @@ TEST_CASE("annotate: on demand every picture is drawn with exactly its boxes, no
     CHECK(counts.missing == std::map<std::string, std::int64_t>{{"image", 0}, {"marks", 0}});
 }
 
-TEST_CASE("annotate: on demand with two workers that share, one of them killed, every picture comes exactly once")
+TEST_CASE("annotate: on demand with two workers that share, one of them killed, every image comes exactly once")
 {
     AnnotateSwarm swarm(2);
     swarm.application.resume("camera");
     std::set<std::int64_t> seen;
-    for (int i = 0; i < pictures; ++i) {
-        if (i == pictures / 3)
+    for (int i = 0; i < images; ++i) {
+        if (i == images / 3)
             swarm.faces[0].kill();
-        const auto picture = swarm.annotated->next(patient(10'000ms));
-        REQUIRE(picture);
-        REQUIRE(seen.insert(picture->identity.sequence).second);
+        const auto image = swarm.annotated->next(patient(10'000ms));
+        REQUIRE(image);
+        REQUIRE(seen.insert(image->identity.sequence).second);
     }
     // Missing ones before the last are still in flight, and arrive.
     while (*seen.rbegin() > static_cast<std::int64_t>(seen.size()) + 2) {
-        const auto picture = swarm.annotated->next(patient(10'000ms));
-        REQUIRE(picture);
-        REQUIRE(seen.insert(picture->identity.sequence).second);
+        const auto image = swarm.annotated->next(patient(10'000ms));
+        REQUIRE(image);
+        REQUIRE(seen.insert(image->identity.sequence).second);
     }
     CHECK(matching(swarm.application).missing == std::map<std::string, std::int64_t>{{"image", 0}, {"marks", 0}});
 }
 
-TEST_CASE("annotate: live, with a detector slower than the camera, all boxes find their pictures, and the other "
-          "pictures are counted as without marks")
+TEST_CASE("annotate: live, with a detector slower than the camera, all boxes find their images, and the other "
+          "images are counted as without marks")
 {
     AnnotateSwarm swarm(1, {"fps=60", "width=320"});
     swarm.application.set("face-1", {{"scale", 1.05}});
     swarm.application.resume("camera");
     std::int64_t last = 0;
     for (int i = 0; i < 8; ++i) {
-        const auto picture = swarm.annotated->next(patient(5000ms));
-        REQUIRE(picture);
-        CHECK(picture->identity.sequence > last);
-        last = picture->identity.sequence;
-        for (const auto& box : picture->header.at("marks").at("faces"))
-            CHECK(framed(*picture, box));
+        const auto image = swarm.annotated->next(patient(5000ms));
+        REQUIRE(image);
+        CHECK(image->identity.sequence > last);
+        last = image->identity.sequence;
+        for (const auto& box : image->header.at("marks").at("faces"))
+            CHECK(framed(*image, box));
     }
     CHECK(
         eventually([&] { return matching(swarm.application).sets >= 8; }));  // the last is counted after it was emitted
@@ -125,7 +125,7 @@ TEST_CASE("annotate: live, with a detector slower than the camera, all boxes fin
     CHECK(row.at("matching").at(0).at("inputs") == Json{"image", "marks"});
 }
 
-TEST_CASE("annotate: it remembers pictures, so it is refused as a member of a group")
+TEST_CASE("annotate: it remembers images, so it is refused as a member of a group")
 {
     const Swarm swarm;
     const auto camera = swarm.drone("camera", "camera"), annotate = swarm.drone("annotate", "annotate");

@@ -44,7 +44,7 @@ inline std::string indented_commands(const std::filesystem::path& page, const st
 /// @param seconds  for commands that stream
 inline std::string reader_script(const Swarm& swarm, const std::string& commands, int seconds)
 {
-    return "program=" + swarm.program("hivectl").string() + "\npatience=" + std::to_string(seconds) + "\ncd "
+    return "program=" + swarm.program("hivectl").string() + "\ntimeout=" + std::to_string(seconds) + "\ncd "
            + swarm.home().string() + "\n. " HIVE_SOURCE_DIR "/tests/support/reader.sh\n" + commands;
 }
 

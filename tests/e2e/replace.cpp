@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr auto long_patience = 60'000ms;  // for a replacement on a busy machine
+constexpr auto long_timeout = 60'000ms;  // for a replacement on a busy machine
 
 constexpr int times = sanitized() ? 8 : 50;
 
@@ -41,7 +41,7 @@ public:
     {
         std::vector<hive::Endpoint> results;
         for (const auto& worker : workers) {
-            swarm_.hivectl_done({"start", parts.worker, "--as", worker, parts.setting}, long_patience);
+            swarm_.hivectl_done({"start", parts.worker, "--as", worker, parts.setting}, long_timeout);
             results.push_back({worker, parts.result});
         }
         collector_ = application_.collect(results, {.ordered = parts.share});
@@ -62,7 +62,7 @@ public:
     void take(int results)
     {
         for (int i = 0; i < results; ++i) {
-            const auto event = collector_->next(patient(long_patience));
+            const auto event = collector_->next(patient(long_timeout));
             REQUIRE_MESSAGE(event, "no result came after ", last_);
             REQUIRE(event->identity.sequence == last_ + 1);
             ++last_;
@@ -71,7 +71,7 @@ public:
     /// Takes results until the process has exited; returns its exit code.
     int take_until_ended(Process& process)
     {
-        const auto end = Clock::now() + patient(long_patience);
+        const auto end = Clock::now() + patient(long_timeout);
         for (;;) {
             if (const auto event = collector_->next(5ms)) {
                 REQUIRE(event->identity.sequence == last_ + 1);
@@ -126,7 +126,7 @@ Finished replace_with(const Swarm& swarm, const fs::path& folder, const std::vec
     std::vector<std::string> all{"/usr/bin/env", "HIVE_DRONE_PATH=" + folder.string(),
                                  swarm.program("hivectl").string(), "replace"};
     all.insert(all.end(), words.begin(), words.end());
-    return swarm.run(all, long_patience);
+    return swarm.run(all, long_timeout);
 }
 
 }  // namespace
@@ -187,7 +187,7 @@ TEST_CASE("replace: parameters, connections and a halt pass over")
     line.swarm().hivectl_done({"halt", "worker"});
     const auto before = line.pid("worker");
     const auto row =
-        hive::parse_json(line.swarm().hivectl_done({"replace", "worker", "throw_at=0", "--json"}, long_patience));
+        hive::parse_json(line.swarm().hivectl_done({"replace", "worker", "throw_at=0", "--json"}, long_timeout));
     CHECK(row.at("before") == before);
     CHECK(row.at("pid") == line.pid("worker"));
     CHECK(line.pid("worker") != before);
@@ -202,7 +202,7 @@ TEST_CASE("replace: the old one finishes a callback of 2.4 s, longer than one th
     Line line({"worker"});
     line.application().set("worker", {{"work_ms", 2400}});
     REQUIRE(eventually([&] { return line.application().status("worker").busy_for_us > 0; }));
-    line.swarm().hivectl_done({"replace", "worker", "work_ms=1"}, long_patience);
+    line.swarm().hivectl_done({"replace", "worker", "work_ms=1"}, long_timeout);
     line.take(10);
     const auto edges = line.application().status("source").outputs.at(0).edges;
     CHECK(edges.at(0).events.of(hive::Fate::lost_killed) == 0);
@@ -219,7 +219,7 @@ TEST_CASE("replace: when the new one is killed after the old one was asked, anot
             asking = std::atoi(text_of(line.swarm().home() / "worker.next").c_str());
             return asking > 0;
         },
-        long_patience));
+        long_timeout));
     ::kill(asking, SIGKILL);
     REQUIRE(line.take_until_ended(command) == 0);
     CHECK(line.pid("worker") != asking);
@@ -241,7 +241,7 @@ TEST_CASE("replace: a question that meets neither of the two processes waits for
         }
     });
     for (int i = 0; i < 5; ++i)
-        swarm.hivectl_done({"replace", "worker"}, long_patience);
+        swarm.hivectl_done({"replace", "worker"}, long_timeout);
     asking.request_stop();
     asking.join();
     CHECK_MESSAGE(failure.empty(), failure);
@@ -298,7 +298,7 @@ TEST_CASE("replace: Ctrl-C stops a new process that is not ready, and the old on
     swarm.hivectl_done({"start", "sleeper", "--as", "worker"});
     const auto before = swarm.application().status("worker").pid;
     auto command = swarm.hivectl_running({"replace", "worker", "start_ms=100000", "--timeout", "100"}, "replace");
-    REQUIRE(eventually([&] { return successors(swarm).size() == 1; }, long_patience));
+    REQUIRE(eventually([&] { return successors(swarm).size() == 1; }, long_timeout));
     command.signal(SIGINT);
     CHECK(command.wait(patient(10'000ms)) == 130);
     CHECK_MESSAGE(has(swarm.log("replace"), "cancelled while the successor of worker was starting"),
@@ -315,10 +315,10 @@ TEST_CASE("replace: the new one has the options of the old one, and an up finds 
                            R"( "remote_operator": true, "set": {"work_ms": 3}}}})";
     swarm.hivectl_done({"up", file.string()});
     const auto before = swarm.application().status("worker").pid;
-    swarm.hivectl_done({"replace", "worker"}, long_patience);
+    swarm.hivectl_done({"replace", "worker"}, long_timeout);
     CHECK(swarm.application().status("worker").pid != before);
     CHECK(swarm.hivectl_done({"up", file.string()}).empty());
-    swarm.hivectl_done({"replace", "worker", "--log-level", "info"}, long_patience);
+    swarm.hivectl_done({"replace", "worker", "--log-level", "info"}, long_timeout);
     CHECK(has(swarm.hivectl_done({"up", file.string(), "--dry-run"}), "restart worker log_level=debug"));
 }
 
@@ -329,7 +329,7 @@ TEST_CASE("replace: a drone that keeps state needs a word more")
     const auto refused = swarm.hivectl({"replace", "counter"});
     CHECK(refused.exit_code == 5);
     CHECK(refused.err.find("--lose-state") != std::string::npos);
-    swarm.hivectl_done({"replace", "counter", "--lose-state"}, long_patience);
+    swarm.hivectl_done({"replace", "counter", "--lose-state"}, long_timeout);
 }
 
 TEST_CASE("replace: a drone that does not answer is killed only with --force, and its successor is as it was")
@@ -344,20 +344,19 @@ TEST_CASE("replace: a drone that does not answer is killed only with --force, an
     REQUIRE(eventually(works));
     const auto hanging = application.status("worker").pid;
     ::kill(static_cast<pid_t>(hanging), SIGSTOP);
-    const auto refused = swarm.hivectl({"replace", "worker"}, long_patience);
+    const auto refused = swarm.hivectl({"replace", "worker"}, long_timeout);
     CHECK(refused.exit_code == 124);
     CHECK_MESSAGE(has(refused.err, "hivectl replace worker --force"), refused.err);
     for (const std::string kind : {"face", "no-such-kind"}) {  // checked before it is killed
-        CHECK(swarm.hivectl({"replace", "worker", "--force", "--kind", kind}, long_patience).exit_code != 0);
+        CHECK(swarm.hivectl({"replace", "worker", "--force", "--kind", kind}, long_timeout).exit_code != 0);
         CHECK(::kill(static_cast<pid_t>(hanging), 0) == 0);
     }
-    const auto forced =
-        hive::Json::parse(swarm.hivectl_done({"replace", "worker", "--force", "--json"}, long_patience));
+    const auto forced = hive::Json::parse(swarm.hivectl_done({"replace", "worker", "--force", "--json"}, long_timeout));
     CHECK(forced.at("before") == hanging);
     CHECK(forced.at("pid") != hanging);
     CHECK(application.get("worker", {"work_ms"}).at("work_ms") == 3);
     CHECK(eventually(works));
-    const auto again = hive::Json::parse(swarm.hivectl_done({"replace", "worker", "--force", "--json"}, long_patience));
+    const auto again = hive::Json::parse(swarm.hivectl_done({"replace", "worker", "--force", "--json"}, long_timeout));
     CHECK(again.at("before") == forced.at("pid"));  // it answers, so it hands over
     CHECK(eventually([&] { return application.status("worker").pid == again.at("pid") && works(); }));
 }
@@ -368,17 +367,17 @@ TEST_CASE("replace: another kind takes over, with the connections, and is what c
     const auto camera = swarm.drone("camera", "camera");
     swarm.hivectl_done({"start", "sleeper", "--as", "worker"});
     swarm.hivectl_done({"connect", "camera.image", "worker.image"});
-    swarm.hivectl_done({"replace", "worker", "--kind", "face", "scale=1.4"}, long_patience);
+    swarm.hivectl_done({"replace", "worker", "--kind", "face", "scale=1.4"}, long_timeout);
     auto application = swarm.application();
     const auto works = [&] {
         const auto answer = application.status(std::vector<std::string>{"worker"}).at(0);
         return !answer.error && answer.status.kind == "face" && answer.status.inputs.at(0).processed > 0;
     };
-    CHECK(eventually(works, long_patience));
+    CHECK(eventually(works, long_timeout));
     ::kill(static_cast<pid_t>(application.status("worker").pid), SIGKILL);
-    REQUIRE(eventually([&] { return application.drones().size() == 1; }, long_patience));
-    swarm.hivectl_done({"start", "face", "--as", "worker"}, long_patience);
-    CHECK(eventually(works, long_patience));
+    REQUIRE(eventually([&] { return application.drones().size() == 1; }, long_timeout));
+    swarm.hivectl_done({"start", "face", "--as", "worker"}, long_timeout);
+    CHECK(eventually(works, long_timeout));
     CHECK(application.get("worker", {"scale"}).at("scale") == 1.4);
 }
 
@@ -401,7 +400,7 @@ TEST_CASE("replace: whoever is killed in the middle, one drone of the name runs 
                 old = answer.status.pid;
                 return !answer.error;
             },
-            long_patience));
+            long_timeout));
         const int victim = round % 3;
         const auto due = Clock::now() + std::chrono::milliseconds(random() % 120);
         CAPTURE(seed);
@@ -425,11 +424,11 @@ TEST_CASE("replace: whoever is killed in the middle, one drone of the name runs 
                 runs = !application.status(std::vector<std::string>{"worker"}).at(0).error;
                 return runs || successors(line.swarm()).empty();
             },
-            long_patience));
+            long_timeout));
         if (!runs) {
             CHECK((victim == 1 ? code != 0 : code == 0));
-            REQUIRE(eventually([&] { return application.drones().size() == 1; }, long_patience));  // it may be dying
-            line.swarm().hivectl_done({"start", "sleeper", "--as", "worker"}, long_patience);
+            REQUIRE(eventually([&] { return application.drones().size() == 1; }, long_timeout));  // it may be dying
+            line.swarm().hivectl_done({"start", "sleeper", "--as", "worker"}, long_timeout);
         }
         line.take(10);
     }

@@ -157,7 +157,7 @@ TEST_CASE("rerun: a file that is truncated, foreign, too large or not a file is 
     for (const auto size : {std::size_t(0), std::size_t(10), std::size_t(100), whole.size() / 2, whole.size() - 1})
         refused(whole.substr(0, size), "it ends too early");
     refused(whole + "x", "it has more bytes than its inputs");
-    refused("\xff\xd8\xff not a failure at all, but a picture", "not a Hive packet");
+    refused("\xff\xd8\xff not a failure at all, but an image", "not a Hive packet");
     auto lies = whole;
     lies.replace(12, 4, "\xff\xff\xff\x03", 4);  // a body of 64 MiB
     refused(lies, "");

@@ -16,17 +16,17 @@ using hive::Json;
 namespace {
 
 /// The running swarm: as a file without addresses, and its connections.
-struct Picture {
+struct Snapshot {
     Json plan;
     std::set<std::string> connections;
     std::set<std::string> sinks;
-    bool operator==(const Picture&) const = default;
+    bool operator==(const Snapshot&) const = default;
 };
 
-Picture picture_of(const std::string& plan, const std::string& edges)
+Snapshot snapshot_of(const std::string& plan, const std::string& edges)
 {
-    Picture picture{Json::parse(plan), {}, {}};
-    for (auto& drone : picture.plan.at("drones"))
+    Snapshot snapshot{Json::parse(plan), {}, {}};
+    for (auto& drone : snapshot.plan.at("drones"))
         for (const char* key : {"on", "listen", "advertise", "key"})
             drone.erase(key);
     std::set<std::string> senders, receivers;
@@ -37,14 +37,14 @@ Picture picture_of(const std::string& plan, const std::string& edges)
         std::string text;
         for (const char* key : {"from", "to", "kind", "transfer", "delivery", "window", "group", "state"})
             text += edge.at(key).dump() + " ";
-        picture.connections.insert(text);
+        snapshot.connections.insert(text);
         if (edge.at("to").get<std::string>().find('.') == std::string::npos)
             continue;  // a group
         senders.insert(drone_of(edge.at("from")));
         receivers.insert(drone_of(edge.at("to")));
     }
-    std::ranges::set_difference(receivers, senders, std::inserter(picture.sinks, picture.sinks.end()));
-    return picture;
+    std::ranges::set_difference(receivers, senders, std::inserter(snapshot.sinks, snapshot.sinks.end()));
+    return snapshot;
 }
 
 class Trial {
@@ -53,7 +53,7 @@ public:
         : lab_(form, file_of(swarm)), random_(random), swarm_(swarm), is_script_(form == "shell")
     {
         lab_.shell_done("hivectl up " + file_of(swarm) + " --timeout 60");
-        as_brought_up_ = picture();
+        as_brought_up_ = snapshot();
         REQUIRE(!as_brought_up_.sinks.empty());
         lab_.shell_done("hivectl down");
         lab_.reboot();  // nothing of it remains for the next steps
@@ -78,10 +78,10 @@ private:
     {
         return HIVE_SOURCE_DIR "/scripts/swarms/" + swarm + ".json";
     }
-    [[nodiscard]] Picture picture() const
+    [[nodiscard]] Snapshot snapshot() const
     {
-        return picture_of(lab_.shell_done("hivectl export --swarm " + swarm_),
-                          lab_.shell_done("hivectl connections --json"));
+        return snapshot_of(lab_.shell_done("hivectl export --swarm " + swarm_),
+                           lab_.shell_done("hivectl connections --json"));
     }
     /// A script has an order.
     [[nodiscard]] std::vector<std::string> in_any_order()
@@ -104,8 +104,8 @@ private:
             CHECK_MESSAGE(eventually([&] { return lab_.is_well(drone); }, 60'000ms), drone, " is not well");
         for (const auto& sink : as_brought_up_.sinks)
             CHECK_MESSAGE(lab_.shell("hivectl results " + sink + " -n 3 --timeout 60").exit_code == 0, sink);
-        Picture now;
-        const bool same = eventually([&] { return (now = picture()) == as_brought_up_; }, 60'000ms);
+        Snapshot now;
+        const bool same = eventually([&] { return (now = snapshot()) == as_brought_up_; }, 60'000ms);
         CHECK_MESSAGE(same, now.plan.dump(), " with ", Json(now.connections).dump(), " instead of ",
                       as_brought_up_.plan.dump(), " with ", Json(as_brought_up_.connections).dump());
     }
@@ -114,7 +114,7 @@ private:
     std::mt19937_64& random_;
     std::string swarm_;
     bool is_script_;
-    Picture as_brought_up_;
+    Snapshot as_brought_up_;
 };
 
 void try_form(const std::string& form)

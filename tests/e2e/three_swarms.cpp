@@ -256,7 +256,7 @@ TEST_CASE("swarm scripts: a second run goes on with the drones that run, and a d
 }
 
 TEST_CASE("three swarms: each has its own rate, and stopping one changes those of gesture and track, and how soon face "
-          "has its next picture, by less than 2 %")
+          "has its next frame, by less than 2 %")
 {
     if (!possible(missing_if_sanitized()))
         return;  // a measurement

@@ -36,7 +36,7 @@ std::string requests_of(const Page& page, double pause)
 {
     const auto get = "curl -sf -m 30 -b " + page.cookie();
     const auto each = [&](const std::string& path) { return " -o /dev/null " + page.address() + path; };
-    return "while sleep " + std::to_string(pause) + "; do " + get + each("/picture/camera.image/320/0")
+    return "while sleep " + std::to_string(pause) + "; do " + get + each("/image/camera.image/320/0")
            + each("/graph.svg") + "; " + get + " --fail-early" + each("/drone/camera") + each("/ask/camera")
            + " || exit 1; done";
 }

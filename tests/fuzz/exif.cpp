@@ -1,4 +1,4 @@
-// The EXIF of a picture: an orientation from 1 to 8, whatever the bytes are. Input: the contents of a segment APP1.
+// The EXIF of an image: an orientation from 1 to 8, whatever the bytes are. Input: the contents of a segment APP1.
 #include "exif.hpp"
 
 #include "require.hpp"

@@ -1,4 +1,4 @@
-// A camera's stream: fed whole and in slices it gives the same pictures and the same end, and what it gives came in the
+// A camera's stream: fed whole and in slices it gives the same images and the same end, and what it gives came in the
 // stream. Input: one byte for the slicing, the Content-Type up to a line feed, then the stream.
 #include "multipart.hpp"
 

@@ -65,7 +65,7 @@ hivectl stop --all > log
 apt-get install -y -qq --no-install-recommends python3-opencv jq > log 2>&1
 for page in *.md.sh; do
     mkdir -p "read/$page"
-    (cd "read/$page" && program=/usr/bin/hivectl patience=3 && . /try/reader.sh && . "/try/$page") > log 2>&1 \
+    (cd "read/$page" && program=/usr/bin/hivectl timeout=3 && . /try/reader.sh && . "/try/$page") > log 2>&1 \
         || { tail -n 20 log; fail "the commands of ${page%.sh} do not run"; }
     hivectl stop --all > log 2>&1 || true
 done

@@ -286,7 +286,7 @@ TEST_CASE("hostile crowd: a peer that breaks the rules again and again, or sends
     }
     auto peer = prey.meet();
     for (int i = 0; i < 200; ++i)
-        peer.ask(raw::put, {{"input", "image"}, {"type", "image/jpeg"}}, 0, "this is no picture at all");
+        peer.ask(raw::put, {{"input", "image"}, {"type", "image/jpeg"}}, 0, "this is no image at all");
     REQUIRE(prey.well());
     const auto lines = [&](const std::string& part) {
         const std::string log = prey.log();

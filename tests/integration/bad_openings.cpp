@@ -74,7 +74,7 @@ TEST_CASE("hostile client: whatever opens a connection wrongly is closed at once
     const Prey prey = Prey::camera();
     const Witness witness(prey);
     REQUIRE(hive::test::eventually([&] { return witness.received() > 3; },
-                                   within(5000)));  // the first picture takes memory for good
+                                   within(5000)));  // the first image takes memory for good
     REQUIRE(prey.well());
     const auto memory = hive::test::resident_bytes(prey.pid());
     const auto descriptors = hive::test::open_descriptors(prey.pid());

@@ -25,7 +25,7 @@ inline Milliseconds within(int milliseconds) { return Milliseconds(3 * milliseco
 class Prey {
 public:
     explicit Prey(const std::string& kind, const std::vector<std::string>& settings = {});
-    /// A small camera, 30 pictures a second.
+    /// A small camera, 30 frames per second.
     static Prey camera() { return Prey("camera", {"width=320", "height=240", "fps=30", "noise=0"}); }
     static Prey face() { return Prey("face"); }
 
@@ -45,7 +45,7 @@ private:
 };
 
 /// A peer that behaves: receives `image` as a stream in a thread of its own, and finds the gaps in the sequence. What
-/// is missing after it was itself held up does not count: live pictures are not kept for a receiver that is late.
+/// is missing after it was itself held up does not count: live frames are not kept for a receiver that is late.
 class Witness {
 public:
     explicit Witness(const Prey& prey);

@@ -104,7 +104,7 @@ TEST_CASE("request: the result of a connect is what the sender answered")
     CHECK(result.at("epoch").get<std::int64_t>() > 0);
 }
 
-TEST_CASE("request: who is only notified of a camera is told no size while no picture is made, and the true one when "
+TEST_CASE("request: who is only notified of a camera is told no size while no image is made, and the true one when "
           "somebody takes them")
 {
     const Prey prey = Prey::camera();

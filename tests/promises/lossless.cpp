@@ -19,7 +19,7 @@ struct KilledReceiver {
 
     /// What came of the worker that was killed, and of the other.
     std::pair<Sequences, Sequences> run(const hive::Endpoint& to_first, const hive::Endpoint& to_second,
-                                        Milliseconds patience)
+                                        Milliseconds timeout)
     {
         application.halt(to_first.drone);
         application.connect(to_first, {"w1", "image"});
@@ -29,8 +29,8 @@ struct KilledReceiver {
         first.kill();
         auto others = take(*of_second, given / 2, 300ms);  // fewer where the source waits for the one that is gone
         first = swarm.drone("sleeper", "w1");
-        std::ranges::copy(take(*of_first, given - taken.size(), patience), std::back_inserter(taken));
-        std::ranges::copy(take(*of_second, given - others.size(), patience), std::back_inserter(others));
+        std::ranges::copy(take(*of_first, given - taken.size(), timeout), std::back_inserter(taken));
+        std::ranges::copy(take(*of_second, given - others.size(), timeout), std::back_inserter(others));
         return {taken, others};
     }
 };

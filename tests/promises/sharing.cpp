@@ -27,7 +27,7 @@ public:
 
     hive::Application& application() { return application_; }
     /// What comes until all has come, or nothing more does.
-    Sequences run(Milliseconds patience)
+    Sequences run(Milliseconds timeout)
     {
         for (const char* worker : {"w1", "w2", "w3"})
             join(worker, 3);
@@ -43,9 +43,9 @@ public:
         for (int round = 0; round < 3; ++round)
             for (const auto& step : steps) {
                 step();
-                std::ranges::copy(take(*collector_, 10, patience), std::back_inserter(all));
+                std::ranges::copy(take(*collector_, 10, timeout), std::back_inserter(all));
             }
-        std::ranges::copy(take(*collector_, events - all.size(), patience), std::back_inserter(all));
+        std::ranges::copy(take(*collector_, events - all.size(), timeout), std::back_inserter(all));
         return all;
     }
     std::size_t surplus() { return rest(*collector_); }

@@ -38,11 +38,11 @@ inline Sequences sorted(Sequences sequences)
 }
 
 /// The sequences of the next events, as they come: so many, or fewer when none came for a while.
-inline Sequences take(Collector& collector, std::size_t count, Milliseconds patience = 5000ms)
+inline Sequences take(Collector& collector, std::size_t count, Milliseconds timeout = 5000ms)
 {
     Sequences sequences;
     while (sequences.size() < count) {
-        const auto event = collector.next(patient(patience));
+        const auto event = collector.next(patient(timeout));
         if (!event)
             break;
         sequences.push_back(event->identity.sequence);

@@ -39,9 +39,9 @@ bool happens_within(Milliseconds time, Condition condition)
 /// Polls every few milliseconds until the condition is true. False means a hang, not a busy machine: the timeout is at
 /// least a minute. Measure promised bounds with stated().
 template <class Condition>
-bool eventually(Condition condition, Milliseconds patience = Milliseconds(5000))
+bool eventually(Condition condition, Milliseconds timeout = Milliseconds(5000))
 {
-    return happens_within(std::max(Milliseconds(60'000), patient(patience)), condition);
+    return happens_within(std::max(Milliseconds(60'000), patient(timeout)), condition);
 }
 
 }  // namespace hive::test

@@ -33,11 +33,11 @@ inline double median_ms(const Swarm& swarm, const std::vector<std::string>& word
 }
 
 /// Events per second of a source with `batch` events per period: exact for every phase.
-inline double rate(Collector& collector, int batch, int periods, Milliseconds patience = Milliseconds(5000))
+inline double rate(Collector& collector, int batch, int periods, Milliseconds timeout = Milliseconds(5000))
 {
     const auto take = [&](int count) {
         for (int i = 0; i < count; ++i)
-            if (!collector.next(patient(patience)))
+            if (!collector.next(patient(timeout)))
                 throw std::runtime_error("no event came any more");
         return Clock::now();
     };

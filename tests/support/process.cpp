@@ -139,14 +139,14 @@ void Process::signal(int number) const
         ::kill(pid_, number);  // not reaped yet, so the id is still its own
 }
 
-std::optional<int> Process::wait(Milliseconds patience)
+std::optional<int> Process::wait(Milliseconds timeout)
 {
     if (pid_ <= 0 || exit_code_)
         return exit_code_;
     pollfd ended{watch_, POLLIN, 0};
-    const auto end = Clock::now() + patience;
+    const auto end = Clock::now() + timeout;
     int count = 0;
-    for (auto left = patience; (count = ::poll(&ended, 1, static_cast<int>(left.count()))) < 0 && errno == EINTR;)
+    for (auto left = timeout; (count = ::poll(&ended, 1, static_cast<int>(left.count()))) < 0 && errno == EINTR;)
         left = std::max(Milliseconds(0), std::chrono::duration_cast<Milliseconds>(end - Clock::now()));
     if (count <= 0)
         return std::nullopt;

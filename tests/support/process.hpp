@@ -30,7 +30,7 @@ public:
     [[nodiscard]] pid_t pid() const noexcept { return pid_; }
     void signal(int number) const;
     /// The exit code (128 + signal if it was killed), if it exits in time.
-    std::optional<int> wait(Milliseconds patience);
+    std::optional<int> wait(Milliseconds timeout);
     /// SIGKILL; returns when it has exited.
     void kill();
 

@@ -69,13 +69,13 @@ std::vector<std::string> Swarm::environment() const
             "HIVE_KEY=", "DBUS_SYSTEM_BUS_ADDRESS=unix:path=" + (home_ / "bus").string()};
 }
 
-Finished Swarm::run(const std::vector<std::string>& words, Milliseconds patience) const
+Finished Swarm::run(const std::vector<std::string>& words, Milliseconds timeout) const
 {
     const fs::path stem = home_ / ("command-" + std::to_string(++commands_));
     const fs::path out = stem.string() + ".out", err = stem.string() + ".err";
     const auto begin = Clock::now();
     Process process(words, environment(), out, err);
-    auto code = process.wait(patient(patience));
+    auto code = process.wait(patient(timeout));
     const auto took = std::chrono::duration_cast<std::chrono::microseconds>(Clock::now() - begin);
     process.kill();
     Finished finished{code.value_or(128 + SIGKILL), text_of(out), text_of(err), took};
@@ -84,16 +84,16 @@ Finished Swarm::run(const std::vector<std::string>& words, Milliseconds patience
     return finished;
 }
 
-Finished Swarm::hivectl(const std::vector<std::string>& words, Milliseconds patience) const
+Finished Swarm::hivectl(const std::vector<std::string>& words, Milliseconds timeout) const
 {
     std::vector<std::string> all{program("hivectl").string()};
     all.insert(all.end(), words.begin(), words.end());
-    return run(all, patience);
+    return run(all, timeout);
 }
 
-std::string Swarm::hivectl_done(const std::vector<std::string>& words, Milliseconds patience) const
+std::string Swarm::hivectl_done(const std::vector<std::string>& words, Milliseconds timeout) const
 {
-    auto finished = hivectl(words, patience);
+    auto finished = hivectl(words, timeout);
     std::string line = "hivectl";
     for (const auto& word : words)
         line += " " + word;

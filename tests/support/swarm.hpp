@@ -34,13 +34,13 @@ public:
     [[nodiscard]] const std::filesystem::path& home() const noexcept { return home_; }
     [[nodiscard]] std::filesystem::path program(const std::string& name) const;  ///< "hive-face", "hivectl"
     /// Runs hivectl with a deadline; then it is killed (exit code 137).
-    Finished hivectl(const std::vector<std::string>& words, Milliseconds patience = Milliseconds(15'000)) const;
+    Finished hivectl(const std::vector<std::string>& words, Milliseconds timeout = Milliseconds(15'000)) const;
     /// As above; throws with all output unless it exits with 0. Returns its stdout.
-    std::string hivectl_done(const std::vector<std::string>& words, Milliseconds patience = Milliseconds(15'000)) const;
+    std::string hivectl_done(const std::vector<std::string>& words, Milliseconds timeout = Milliseconds(15'000)) const;
     /// Runs hivectl in the background; its output goes to `log(name)`.
     [[nodiscard]] Process hivectl_running(const std::vector<std::string>& words, const std::string& name) const;
     /// Any program with this swarm's home in its environment and the built programs first in its path.
-    Finished run(const std::vector<std::string>& words, Milliseconds patience = Milliseconds(15'000)) const;
+    Finished run(const std::vector<std::string>& words, Milliseconds timeout = Milliseconds(15'000)) const;
     /// Starts a drone as a child of the test and returns when it answers; throws with its log if it does not.
     /// @param settings     "key=value"
     /// @param more         further arguments

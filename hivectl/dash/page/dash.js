@@ -119,7 +119,7 @@ function show_list() {
 function show_images() {
   const wanted = new Map();
   for (const drone of swarm.drones)
-    for (const output of fits(drone.name) && !mood(drone.state) ? drone.pictures : [])
+    for (const output of fits(drone.name) && !mood(drone.state) ? drone.images : [])
       if (wanted.size < shown_at_once) wanted.set(`${drone.name}.${output}`, drone.name);
   for (const [output, { image, figure }] of walls)
     if (!wanted.has(output)) {

@@ -176,7 +176,7 @@ export class DronePanel extends Panel {
 
   /// A source on demand that nobody receives would produce for the page alone, so its image is shown only if asked for.
   show_images(drone) {
-    const names = [...drone.pictures, ...drone.held];
+    const names = [...drone.images, ...drone.held];
     if (this.image || !names.length) return;
     const box = element("div"), first = names[0], show = name => {
       this.image?.stop();

@@ -126,7 +126,7 @@ export class LiveImage {
   async next(version) {
     const pause = ms => new Promise(done => setTimeout(done, ms));
     try {
-      const answer = await fetch(path("picture", this.output, this.width, version), { cache: "no-store" });
+      const answer = await fetch(path("image", this.output, this.width, version), { cache: "no-store" });
       if (answer.status === 204) return version;
       if (!answer.ok) {
         this.say((await answer.text()).trim());

@@ -14,7 +14,7 @@ using namespace std::chrono_literals;
 
 constexpr auto again_after = 500ms;    ///< when the daemon was lost
 constexpr auto look_again_after = 5s;  ///< when no daemon is available
-constexpr auto patience_at_end = 200ms;
+constexpr auto shutdown_timeout = 200ms;
 
 }  // namespace
 
@@ -60,7 +60,7 @@ DaemonThread::~DaemonThread()
     if (state_->poll)
         state_->avahi->simple_poll_wakeup(state_->poll);
     state_->changed.notify_all();
-    state_->changed.wait_for(lock, patience_at_end, [&] { return state_->ended; });
+    state_->changed.wait_for(lock, shutdown_timeout, [&] { return state_->ended; });
 }
 
 void DaemonThread::run(const std::shared_ptr<State>& state)

@@ -12,14 +12,14 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto patience = 3s;           // for one attempt to dial and register
+constexpr auto dial_timeout = 3s;       // for one attempt to dial and register
 constexpr int most_first_attempts = 3;  // of packets that a bad network loses, those of the next one may arrive
 constexpr auto short_break = 10s;  // after a loss retries are frequent for this long: most networks are back by then
-constexpr auto patience_in_break = 600ms;  // for one attempt to dial then, plus six round trips
-constexpr auto pause_after_refusal = 1s;   // the sender is up, and would refuse again
-constexpr auto leave_timeout = 30s;        // for work in progress at a stop
-constexpr auto lost_for_good = 30s;        // a sender lost for longer does not delay the end
-constexpr auto others_work = 2s;           // the same for a group's member, whom the others replace
+constexpr auto dial_timeout_in_break = 600ms;  // for one attempt to dial then, plus six round trips
+constexpr auto pause_after_refusal = 1s;       // the sender is up, and would refuse again
+constexpr auto leave_timeout = 30s;            // for work in progress at a stop
+constexpr auto lost_for_good = 30s;            // a sender lost for longer does not delay the end
+constexpr auto others_work = 2s;               // the same for a group's member, whom the others replace
 
 /// A socket file belongs to the drone of its name; a port may belong to another drone by now.
 std::optional<Error> wrong_peer(const IntakeSpec& spec, const Link& link)
@@ -73,7 +73,7 @@ void Intake::change(const ConnectionOptions& options, OnOutcome on_outcome)
     first_until_ = {};
     disconnected();
     link_->release_channel(channel_);  // events in transit there are sent again
-    register_on(link_, Clock::now() + patience);
+    register_on(link_, Clock::now() + dial_timeout);
 }
 
 /// TCP retransmits packets that were sent without network only after one second, and then after two more; a new dial is
@@ -101,7 +101,8 @@ void Intake::attempt()
     if (holds())
         return;
     const std::chrono::microseconds round_trips(6 * round_trip_us_);
-    const Clock::time_point deadline = Clock::now() + (in_short_break() ? patience_in_break + round_trips : patience);
+    const Clock::time_point deadline =
+        Clock::now() + (in_short_break() ? dial_timeout_in_break + round_trips : dial_timeout);
     module_.with_link(spec_.address, deadline, [self = shared_from_this(), deadline](const Result<LinkPtr>& found) {
         if (self->stopped() || self->holds())
             return;
@@ -111,7 +112,7 @@ void Intake::attempt()
         else if (const auto wrong = wrong_peer(self->spec_, *link))
             self->failed(*wrong);
         else
-            self->register_on(link, self->lost_ ? Clock::now() + patience : deadline);
+            self->register_on(link, self->lost_ ? Clock::now() + dial_timeout : deadline);
     });
 }
 
@@ -215,7 +216,7 @@ void Intake::failed(const Error& error)
     problem_ = error;
     if (before_)
         spec_.options = *std::exchange(before_, std::nullopt);
-    if (refusal() || ++unanswered_ == most_first_attempts || Clock::now() + patience >= first_until_)
+    if (refusal() || ++unanswered_ == most_first_attempts || Clock::now() + dial_timeout >= first_until_)
         if (const auto first = std::exchange(first_, {}))
             first(error);
     if (!stopped())
@@ -301,7 +302,7 @@ void Intake::try_to_leave()
     if (!link || !link->open())
         return tell();
     link->request(
-        PacketType::deregister, Json::object(), {}, Clock::now() + patience, [tell](const Outcome&) { tell(); },
+        PacketType::deregister, Json::object(), {}, Clock::now() + dial_timeout, [tell](const Outcome&) { tell(); },
         channel_);
     module_.arm();
 }

@@ -48,7 +48,7 @@ void Loop::start()
 {
     {
         const std::lock_guard lock(mutex_);
-        arm(patience);  // for tasks that are already posted
+        arm(idle_timeout);  // for tasks that are already posted
     }
     thread_ = std::thread([this] { watch(); });
 }
@@ -137,7 +137,7 @@ void Loop::wait(Clock::time_point deadline, const std::function<bool()>& done)
     if (!ran)
         run_ready();
     short_wait_ = Clock::now() - begin
-                  < patience / 10;  // then an occasional wake-up is cheaper than two system calls for each wait
+                  < idle_timeout / 10;  // then an occasional wake-up is cheaper than two system calls for each wait
     leave();
 }
 
@@ -172,7 +172,7 @@ void Loop::leave()
     if (++given_back_ != asked_)
         left_.notify_all();
     else if (!armed_)
-        arm(patience);
+        arm(idle_timeout);
 }
 
 bool Loop::wanted() const { return asked_ - given_back_ > 1; }
@@ -272,8 +272,8 @@ bool Loop::take_over()
     armed_ = false;
     if (ending_ || asked_ != given_back_)
         return false;  // its holder arms the timer when releasing it
-    if (const auto away = Clock::now() - served_at_; away < patience) {
-        arm(patience - away);
+    if (const auto away = Clock::now() - served_at_; away < idle_timeout) {
+        arm(idle_timeout - away);
         return false;
     }
     ++asked_;

@@ -47,7 +47,7 @@ void Matcher::push(Event event, TimePoint now)
         conclude(event, Ending::duplicate);
         return;
     }
-    line.add(std::move(event), now + patience);
+    line.add(std::move(event), now + timeout);
     if (match_.tolerance)
         make_nearest_sets(now);
     else if (const auto places = exact_set(line.events().back()))
@@ -63,7 +63,7 @@ void Matcher::push(Event event, TimePoint now)
 void Matcher::expire(TimePoint now)
 {
     for (auto& line : lines_)
-        line.forget_silent_senders(now - patience);
+        line.forget_silent_senders(now - timeout);
     if (const auto due = deadline(); !due || *due > now)
         return;
     if (match_.tolerance)
@@ -73,7 +73,7 @@ void Matcher::expire(TimePoint now)
         give_back(i, now);
         for (auto& waiting : lines_[i].events())
             if (waiting.due <= now)  // lossless: it stays, and is checked again while it delays its source
-                waiting.due = waiting.event.ticket.processing() ? now + patience / 4 : never;
+                waiting.due = waiting.event.ticket.processing() ? now + timeout / 4 : never;
     }
 }
 
@@ -254,7 +254,7 @@ void Matcher::drop_late(std::size_t input, TimePoint now)
 bool Matcher::holds_up(const Waiting& waiting, std::size_t input, TimePoint now) const
 {
     for (std::size_t other = 0; other < lines_.size(); ++other)
-        if (compared(input, other) && lines_[other].heard_at() + patience <= now && !partner(waiting, other))
+        if (compared(input, other) && lines_[other].heard_at() + timeout <= now && !partner(waiting, other))
             return false;
     return !waiting.overtaken;
 }

@@ -13,7 +13,7 @@ using protocol::PacketType;
 namespace {
 
 constexpr auto tick_period = std::chrono::milliseconds(20);
-constexpr auto patience_at_end = std::chrono::milliseconds(300);
+constexpr auto shutdown_timeout = std::chrono::milliseconds(300);
 constexpr std::size_t most_peers = 256;
 const std::size_t most_viewers = defended("share-of-viewers") ? 64 : most_peers;  ///< of them
 
@@ -54,12 +54,12 @@ void Module::leave()
     const auto left = [&] {
         return std::ranges::all_of(leaving_, [](const auto& intake) { return intake->has_left(); });
     };
-    loop_->wait(Clock::now() + patience_at_end, left);
+    loop_->wait(Clock::now() + shutdown_timeout, left);
     call([&] {
         for (const auto& intake : std::vector(leaving_))
             intake->leave_now();
     });
-    loop_->wait(Clock::now() + patience_at_end, left);
+    loop_->wait(Clock::now() + shutdown_timeout, left);
 }
 
 void Module::close_links()
@@ -79,7 +79,7 @@ void Module::close_links()
     if (links_.empty() && dialing_.empty())
         return;
     // Only closings and dials in progress are left: do not wait for a peer that does not answer.
-    last_.run_after(patience_at_end, [this] { context().stop(); });
+    last_.run_after(shutdown_timeout, [this] { context().stop(); });
 }
 
 void Module::on_signal(std::function<void(int)> handler) { signals_.emplace(context(), std::move(handler)); }
@@ -108,7 +108,7 @@ void Module::halt(bool halted)
 void Module::settle()
 {
     loop_->serve();
-    loop_->wait(Clock::now() + patience_at_end, [this] {
+    loop_->wait(Clock::now() + shutdown_timeout, [this] {
         return std::ranges::none_of(all_intakes(), [](const auto& intake) { return intake->owes(); });
     });
 }

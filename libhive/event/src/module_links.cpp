@@ -86,10 +86,10 @@ void Module::dial(const transport::Address& address, const std::string& key, Clo
 {
     if (options_.most_dialed > 0 && dialed_.size() + std::max<std::size_t>(under_way_.size(), 1) > options_.most_dialed)
         let_one_go();
-    const auto patience = std::max(std::chrono::duration_cast<std::chrono::milliseconds>(deadline - Clock::now()),
-                                   std::chrono::milliseconds(1));
+    const auto timeout = std::max(std::chrono::duration_cast<std::chrono::milliseconds>(deadline - Clock::now()),
+                                  std::chrono::milliseconds(1));
     transport::dial(
-        context(), address, patience,
+        context(), address, timeout,
         [this, address, key](Result<std::shared_ptr<transport::Connection>> connection) {
             if (const auto* error = error_of(connection)) {
                 const bool again = !ending_ && error->code() == Errc::unreachable && options_.listens_soon

@@ -84,7 +84,7 @@ private:
     };
 
     void loop();
-    int patience() const;
+    int poll_timeout() const;
     void resume();
     void end_the_late();
     void make_room();
@@ -147,7 +147,7 @@ Server::Core::~Core()
 }
 
 /// Without clients there is nothing to do, once the library has run to accept new ones.
-int Server::Core::patience() const
+int Server::Core::poll_timeout() const
 {
     MHD_UNSIGNED_LONG_LONG milliseconds = 0;
     const int ours = deserted_ && visitors_.empty() ? -1 : static_cast<int>(tick.count());
@@ -162,7 +162,7 @@ void Server::Core::loop()
     const int events = MHD_get_daemon_info(daemon_, MHD_DAEMON_INFO_EPOLL_FD)->epoll_fd;
     while (!ending_) {
         pollfd ready[]{{events, POLLIN, 0}, {site_.wakes_, POLLIN, 0}};
-        ::poll(ready, std::size(ready), patience());
+        ::poll(ready, std::size(ready), poll_timeout());
         std::uint64_t wakes = 0;
         const bool woken = ::read(site_.wakes_, &wakes, sizeof wakes) > 0;
         if (woken || Clock::now() - ticked_ >= tick) {

@@ -104,7 +104,7 @@ struct CollectOptions {
     ConnectionOptions connection{.window = 64, .group = {}, .lease = {}};
     bool ordered = false;  ///< results of one source in the order of its captures, for any number of workers
     /// Ordered: how long a missing result delays those after it. Live events never wait longer than 1 s.
-    std::chrono::milliseconds patience{30'000};
+    std::chrono::milliseconds reorder_timeout{30'000};
 };
 
 /// Counters of a collector.
@@ -121,8 +121,8 @@ struct CollectCounts {
 class Collector {
 public:
     virtual ~Collector() = default;
-    /// The next event, or nothing when `patience` has passed or everything has ended(). User thread.
-    virtual std::optional<Event> next(std::chrono::milliseconds patience) = 0;
+    /// The next event, or nothing when `timeout` has passed or everything has ended(). User thread.
+    virtual std::optional<Event> next(std::chrono::milliseconds timeout) = 0;
     /// Once all outputs have ended and the caller has taken every event: what is missing, empty if nothing is. Nothing
     /// as long as an event may arrive, and again if one arrives later. User thread.
     [[nodiscard]] virtual std::optional<std::string> ended() = 0;
@@ -136,9 +136,9 @@ public:
 class MatchedCollector {
 public:
     virtual ~MatchedCollector() = default;
-    /// The next set, or nothing when `patience` has passed or everything has ended(); the `input` of each event is its
+    /// The next set, or nothing when `timeout` has passed or everything has ended(); the `input` of each event is its
     /// "drone.output". User thread.
-    virtual std::optional<std::vector<Event>> next(std::chrono::milliseconds patience) = 0;
+    virtual std::optional<std::vector<Event>> next(std::chrono::milliseconds timeout) = 0;
     /// As Collector::ended.
     [[nodiscard]] virtual std::optional<std::string> ended() = 0;
     /// `missing` is by "drone.output".

@@ -62,12 +62,12 @@ public:
     /// then changes, sets, connects, disconnects and stops what differs: all or (after a failure, or when cancelled)
     /// nothing. A second call changes nothing. A drone of the plan that this swarm did not bring up is connected, and
     /// otherwise unchanged unless the plan has `change_if_shared`. One process at a time changes a swarm: others wait,
-    /// and throw Errc::locked after `patience`.
-    /// @param patience  for the right to change the swarm, and then for all drones to be ready
-    SwarmOutcome up(std::chrono::milliseconds patience, const SwarmWatch& watch = {});
+    /// and throw Errc::locked after `timeout`.
+    /// @param timeout  for the right to change the swarm, and then for all drones to be ready
+    SwarmOutcome up(std::chrono::milliseconds timeout, const SwarmWatch& watch = {});
     /// Stops all drones that this swarm brought up: sources first, and each drone once its events are delivered.
-    /// @param patience  for the right to change the swarm, as up(), and then for events in flight; then they are lost
-    SwarmOutcome down(std::chrono::milliseconds patience, const SwarmWatch& watch = {});
+    /// @param timeout  for the right to change the swarm, as up(), and then for events in flight; then they are lost
+    SwarmOutcome down(std::chrono::milliseconds timeout, const SwarmWatch& watch = {});
 
     /// Restarts drones that crash, or do not answer for 10 s on this machine, if their plan says so: after 0.1 s, then
     /// after pauses that grow up to 30 s, until they run. One that has crashed 6 times in a row is in

@@ -12,7 +12,7 @@ namespace hive {
 namespace {
 
 constexpr auto exceptions_output = "exceptions";
-constexpr auto patience_to_make_sure = std::chrono::seconds(2);  // a drone answers within one
+constexpr auto make_sure_timeout = std::chrono::seconds(2);  // a drone answers within one
 
 /// The connections of a collector. They share ownership, also while they close.
 struct Inputs {
@@ -24,7 +24,7 @@ struct Inputs {
 void make_sure(event::Module& module, const std::shared_ptr<Inputs>& inputs,
                const std::shared_ptr<event::Mailbox>& mailbox)
 {
-    module.make_sure(patience_to_make_sure, [mailbox, weak = std::weak_ptr(inputs), end = inputs->end.doubt()] {
+    module.make_sure(make_sure_timeout, [mailbox, weak = std::weak_ptr(inputs), end = inputs->end.doubt()] {
         if (const auto alive = weak.lock(); alive && alive->end.confirm(end))
             mailbox->nudge();
     });
@@ -41,7 +41,7 @@ public:
           sets_(sets),
           sets_before_(sets),
           options_(std::move(options)),
-          reorder_(options_.patience)
+          reorder_(options_.reorder_timeout)
     {
     }
     ~MailboxCollector() override;
@@ -54,7 +54,7 @@ public:
     /// Receives the exceptions of the drones of this name, once; failures to register are retried in the background.
     void hear_exceptions(const std::string& drone);
 
-    std::optional<Event> next(std::chrono::milliseconds patience) override;
+    std::optional<Event> next(std::chrono::milliseconds timeout) override;
     [[nodiscard]] std::optional<std::string> ended() override;
     [[nodiscard]] CollectCounts counts() const override;
     [[nodiscard]] std::vector<InputStatus> inputs() const override;
@@ -162,9 +162,9 @@ void MailboxCollector::hear_exceptions(const std::string& drone)
     }
 }
 
-std::optional<Event> MailboxCollector::next(std::chrono::milliseconds patience)
+std::optional<Event> MailboxCollector::next(std::chrono::milliseconds timeout)
 {
-    const auto deadline = event::Clock::now() + patience;
+    const auto deadline = event::Clock::now() + timeout;
     for (;;) {
         reorder_.expire(event::Clock::now());
         if (auto event = reorder_.pop()) {

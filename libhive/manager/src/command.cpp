@@ -108,10 +108,10 @@ RunningCommand::RunningCommand(const std::vector<std::string>& words, std::chron
 
 RunningCommand::~RunningCommand() = default;
 
-std::optional<CommandResult> RunningCommand::poll(std::chrono::milliseconds patience)
+std::optional<CommandResult> RunningCommand::poll(std::chrono::milliseconds timeout)
 {
     auto& parts = *parts_;
-    for (const auto until = std::min(Clock::now() + patience, parts.end);;) {
+    for (const auto until = std::min(Clock::now() + timeout, parts.end);;) {
         const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - Clock::now()).count();
         const auto ready = ::poll(parts.streams.data(), parts.streams.size(),
                                   static_cast<int>(std::clamp<std::int64_t>(left, 0, 60'000)));

@@ -16,9 +16,9 @@ using std::chrono::milliseconds;
 namespace {
 
 /// A drone answers the decision at once, or is disconnected after 2 s of inactivity.
-constexpr milliseconds patience_after_decision(3000);
+constexpr milliseconds decision_timeout(3000);
 /// An abort is valid without an answer; the wait is for the drone to be free for the next attempt.
-constexpr milliseconds patience_after_abort(500);
+constexpr milliseconds abort_timeout(500);
 constexpr milliseconds look_period(20);  ///< of polling for cancellation
 
 const Error* error_in(const std::optional<event::Outcome>& outcome)
@@ -112,7 +112,7 @@ bool JointSet::commit()
             return;
         decided = true;
         for (const auto& part : parts_)
-            tell(part, "commit", Clock::now() + patience_after_decision);
+            tell(part, "commit", Clock::now() + decision_timeout);
     });
     if (decided)
         wait(Clock::time_point::max(), &JointSet::all_decided, [] { return false; });
@@ -124,7 +124,7 @@ void JointSet::abort()
     module_.call([&] {
         for (const auto& part : parts_)
             if (part->link && may_hold(*part))
-                tell(part, "abort", Clock::now() + patience_after_abort);
+                tell(part, "abort", Clock::now() + abort_timeout);
             else
                 part->let_go();
     });

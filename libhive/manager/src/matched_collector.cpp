@@ -16,9 +16,9 @@ public:
     {
     }
 
-    std::optional<std::vector<Event>> next(std::chrono::milliseconds patience) override
+    std::optional<std::vector<Event>> next(std::chrono::milliseconds timeout) override
     {
-        const auto deadline = event::Clock::now() + patience;
+        const auto deadline = event::Clock::now() + timeout;
         for (;;) {
             matcher_.expire(event::Clock::now());
             if (auto set = matcher_.pop())

@@ -154,14 +154,14 @@ Reorder::TimePoint Reorder::due(const Line& line) const
     if (line.lossless && line.expected <= line.closed)
         return line.stuck_since;
     if (!line.lossless && line.expected <= line.joined && !line.open.contains(line.expected))
-        return line.stuck_since + std::min(patience_, join_patience);
+        return line.stuck_since + std::min(timeout_, join_timeout);
     return line.stuck_since
-           + (line.finished || line.expected <= line.closed ? std::min(patience_, closed_patience) : patience_);
+           + (line.finished || line.expected <= line.closed ? std::min(timeout_, closed_timeout) : timeout_);
 }
 
 Reorder::TimePoint Reorder::due(const Earlier& earlier) const
 {
-    return earlier.since + (finished_ ? std::min(patience_, closed_patience) : patience_);
+    return earlier.since + (finished_ ? std::min(timeout_, closed_timeout) : timeout_);
 }
 
 void Reorder::finish(TimePoint now)

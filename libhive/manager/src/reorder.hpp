@@ -23,14 +23,14 @@ public:
 
     static constexpr std::size_t live_window = 64;  ///< maximum number of live results that wait for an earlier one
     /// For a closed turn: the result may still be in flight, or the worker made none.
-    static constexpr std::chrono::milliseconds closed_patience{200};
+    static constexpr std::chrono::milliseconds closed_timeout{200};
     /// For a live turn that was dispatched before receiving began, and that no worker has in hand. A lossless one
     /// either comes or is closed soon.
-    static constexpr std::chrono::milliseconds join_patience{500};
+    static constexpr std::chrono::milliseconds join_timeout{500};
     static constexpr std::size_t remembered_turns = 1000;  ///< kept of those given up
     static constexpr std::size_t max_sources = 64;         ///< maximum number of sources per line
 
-    explicit Reorder(std::chrono::milliseconds patience) : patience_(patience) {}
+    explicit Reorder(std::chrono::milliseconds timeout) : timeout_(timeout) {}
 
     /// The standing of a worker when receiving from it began: how far the group was, and the turns that the worker had
     /// in hand, whose results will arrive.
@@ -102,7 +102,7 @@ private:
     [[nodiscard]] static bool answered(const Line& line, std::int64_t turn);
     static Key key_of(const Share& share) { return {share.of, share.epoch}; }
 
-    std::chrono::milliseconds patience_;
+    std::chrono::milliseconds timeout_;
     std::map<Key, Line> lines_;
     std::multimap<Capture, Earlier> earlier_;
     bool finished_ = false;

@@ -21,7 +21,7 @@ public:
 
     /// The result, once it has exited or timed out; waits at most this long. Throws Errc::too_large if it prints more
     /// than 16 MiB.
-    std::optional<CommandResult> poll(std::chrono::milliseconds patience = {});
+    std::optional<CommandResult> poll(std::chrono::milliseconds timeout = {});
     /// Stops it as at its timeout.
     void end();
     /// One of them is readable when poll() has work.

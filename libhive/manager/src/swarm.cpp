@@ -137,9 +137,9 @@ std::vector<SwarmStep> Swarm::differences(const SwarmWatch& watch)
         .steps;
 }
 
-SwarmOutcome Swarm::up(std::chrono::milliseconds patience, const SwarmWatch& watch)
+SwarmOutcome Swarm::up(std::chrono::milliseconds timeout, const SwarmWatch& watch)
 {
-    const auto alone = swarm::claim(application_, plan_.name, patience, watch);
+    const auto alone = swarm::claim(application_, plan_.name, timeout, watch);
     if (!alone)
         return interrupted(plan_.name);
     const swarm::Record record(application_.home(), plan_.name);
@@ -151,9 +151,9 @@ SwarmOutcome Swarm::up(std::chrono::milliseconds patience, const SwarmWatch& wat
     swarm::Restarting restarting(application_, differences);
     swarm::Changes changes(application_);
     try {
-        outcome.failures = starting.run(drones_of(outcome.steps, What::start), patience, watch);
+        outcome.failures = starting.run(drones_of(outcome.steps, What::start), timeout, watch);
         if (outcome.failures.empty())
-            outcome.failures = restarting.run(patience, watch);
+            outcome.failures = restarting.run(timeout, watch);
     } catch (const Error& error) {
         outcome.failures = {{plan_.name, error}};
     }
@@ -179,14 +179,14 @@ SwarmOutcome Swarm::up(std::chrono::milliseconds patience, const SwarmWatch& wat
     return outcome;
 }
 
-SwarmOutcome Swarm::down(std::chrono::milliseconds patience, const SwarmWatch& watch)
+SwarmOutcome Swarm::down(std::chrono::milliseconds timeout, const SwarmWatch& watch)
 {
-    const auto alone = swarm::claim(application_, plan_.name, patience, watch);
+    const auto alone = swarm::claim(application_, plan_.name, timeout, watch);
     if (!alone)
         return interrupted(plan_.name);
     const swarm::Record record(application_.home(), plan_.name);
     const auto plan = swarm::with_rest_of(plan_, record.read());
-    SwarmOutcome outcome = swarm::Ending(application_, plan).run(patience, watch);
+    SwarmOutcome outcome = swarm::Ending(application_, plan).run(timeout, watch);
     reap_background_processes();
     const auto left = swarm::not_ended(plan, outcome.failures);
     is_empty(left) ? record.forget() : record.write(left);

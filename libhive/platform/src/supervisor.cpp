@@ -44,7 +44,7 @@ void tell_supervisor(const std::string& news) noexcept
 }
 
 /// Ignores $WATCHDOG_PID, which may be that of a wrapper of this process.
-std::optional<std::chrono::microseconds> patience_of_supervisor()
+std::optional<std::chrono::microseconds> supervisor_timeout()
 {
     const auto text = variable("WATCHDOG_USEC");
     std::int64_t time = 0;

@@ -14,7 +14,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr milliseconds most_patience = std::chrono::hours(24);  ///< the maximum deadline of a `set`
+constexpr milliseconds max_set_timeout = std::chrono::hours(24);  ///< the maximum deadline of a `set`
 /// If this process was suspended until a prepared set expired, a commit that arrived in time is read now.
 constexpr milliseconds last_look(200);
 
@@ -66,7 +66,7 @@ void ParameterRequests::on_set(const Incoming& incoming)
     if (set.abort)
         return on_abort(incoming, *set.abort);
     require_allowed(incoming, set.parameters);
-    const auto longest = set.prepare ? milliseconds(protocol::Set::max_prepare_ms) : most_patience;
+    const auto longest = set.prepare ? milliseconds(protocol::Set::max_prepare_ms) : max_set_timeout;
     Proposal::Terms terms{.values = parts_.parameters.checked(set.parameters),
                           .deadline = std::min(incoming.asked->deadline(), Clock::now() + longest),
                           .token = set.prepare,

@@ -12,8 +12,8 @@ void Supervised::ready()
     if (ended_)
         return;
     tell("READY=1\nWATCHDOG=1");
-    if (const auto patience = platform::patience_of_supervisor(); patience && speaks_)
-        timer_.run_after(*patience / 3, [this] { ready(); });
+    if (const auto timeout = platform::supervisor_timeout(); timeout && speaks_)
+        timer_.run_after(*timeout / 3, [this] { ready(); });
 }
 
 void Supervised::end()

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::chrono::milliseconds exhausted_pause{100};
 /// A handshake is not evicted before this time.
-constexpr std::chrono::milliseconds guest_patience{250};
+constexpr std::chrono::milliseconds guest_timeout{250};
 constexpr std::chrono::milliseconds waiting_pause{5};
 constexpr int accepted_at_once = 64;  // then existing connections are served
 
@@ -105,7 +105,7 @@ bool AcceptLoop::may_accept() const
 /// handshakes.
 bool AcceptLoop::make_room()
 {
-    const auto patient_since = std::chrono::steady_clock::now() - guest_patience;
+    const auto patient_since = std::chrono::steady_clock::now() - guest_timeout;
     if (guests_.empty() || guests_.begin()->second.since > patient_since)
         return false;
     std::map<std::string_view, int> from;

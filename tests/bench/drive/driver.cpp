@@ -15,7 +15,7 @@ namespace {
 
 constexpr int most_repetitions = 2;
 constexpr double repetitions_have = 0.25;  ///< of the budget
-constexpr double patience = 10;            ///< seconds; a run takes less than 2
+constexpr double timeout = 10;             ///< seconds; a run takes less than 2
 constexpr Nanoseconds quiet_for = 250 * millisecond, wait_for_quiet = 750 * millisecond;
 
 class Driving {
@@ -86,7 +86,7 @@ private:
         Run run = run_of(row, column);
         run.frames = options_.frames;
         run.seconds = options_.seconds;
-        run.patience = patience;
+        run.timeout = timeout;
         const auto badness = [](const Json& outcome) {
             return (outcome.value("ok", false) ? 0.0 : 1000.0) + outcome.value("foreign", 999.0);
         };

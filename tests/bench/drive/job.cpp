@@ -39,7 +39,7 @@ std::optional<Json> execute(const Run& run)
     auto words = words_of(run);
     words.insert(words.begin(), program_of(run.program).string());
     test::Process process(words, {}, stem + ".out", stem + ".err");
-    process.wait(test::Milliseconds(static_cast<std::int64_t>((run.patience + 10) * 1000)));
+    process.wait(test::Milliseconds(static_cast<std::int64_t>((run.timeout + 10) * 1000)));
     process.kill();
     const auto line = test::text_of(stem + ".out"), errors = test::text_of(stem + ".err");
     fs::remove(stem + ".out");

@@ -52,8 +52,8 @@ public:
     /// Did all end well, and in time?
     bool wait()
     {
-        const auto patience = Milliseconds(static_cast<std::int64_t>(run_.patience * 1000));
-        auto well = main_->wait(patience) == 0;
+        const auto timeout = Milliseconds(static_cast<std::int64_t>(run_.timeout * 1000));
+        auto well = main_->wait(timeout) == 0;
         for (auto& other : others_)
             well = other.wait(stragglers_have) == 0 && well;
         if (!well)

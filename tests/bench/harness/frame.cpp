@@ -34,10 +34,10 @@ std::uint32_t touch(std::span<const std::byte> frame)
     return a + b + c + d;
 }
 
-void draw(std::span<std::byte> picture, std::size_t camera)
+void draw(std::span<std::byte> image, std::size_t camera)
 {
     auto value = 0x9e3779b9u * static_cast<std::uint32_t>(camera + 1);
-    for (auto& byte : picture) {
+    for (auto& byte : image) {
         value = value * 1664525u + 1013904223u;
         byte = static_cast<std::byte>(value >> 24);
     }
@@ -46,12 +46,12 @@ void draw(std::span<std::byte> picture, std::size_t camera)
 void Frame::stamp(std::byte* into) const
 {
     std::memcpy(into, &header, sizeof header);
-    std::memcpy(into + picture.size() - sizeof(FrameTail), &header.sequence, sizeof(FrameTail));
+    std::memcpy(into + image.size() - sizeof(FrameTail), &header.sequence, sizeof(FrameTail));
 }
 
 void Frame::produce(std::byte* into) const
 {
-    std::memcpy(into, picture.data(), picture.size());
+    std::memcpy(into, image.data(), image.size());
     stamp(into);
 }
 
@@ -69,23 +69,23 @@ Pages make_pages(std::size_t size)
 Cameras::Cameras(std::size_t size) : size_(size)
 {
     for (std::size_t camera = 0; camera < cameras; ++camera) {
-        pictures_[camera] = make_pages(size);
-        draw({pictures_[camera].get(), size}, camera);
+        images_[camera] = make_pages(size);
+        draw({images_[camera].get(), size}, camera);
     }
 }
 
 Frame Cameras::frame(std::uint64_t sequence, Kind kind) const
 {
     const auto camera = static_cast<std::uint32_t>(sequence % cameras);
-    return {{frame_magic, sequence, now_ns(), kind, camera}, {pictures_[camera].get(), size_}};
+    return {{frame_magic, sequence, now_ns(), kind, camera}, {images_[camera].get(), size_}};
 }
 
 FrameCheck::FrameCheck(std::size_t size) : size_(size)
 {
-    const auto picture = make_pages(size);
+    const auto image = make_pages(size);
     for (std::size_t camera = 0; camera < cameras; ++camera) {
-        draw({picture.get(), size}, camera);
-        sums_[camera] = touch({picture.get(), size});
+        draw({image.get(), size}, camera);
+        sums_[camera] = touch({image.get(), size});
     }
 }
 

@@ -17,9 +17,9 @@ enum class Kind : std::uint32_t { probe = 1, warm, measured, end };
 struct FrameHeader {
     std::uint64_t magic;
     std::uint64_t sequence;
-    Nanoseconds produced;  ///< before the picture was copied
+    Nanoseconds produced;  ///< before the image was copied
     Kind kind;
-    std::uint32_t camera;  ///< whose pattern the picture has
+    std::uint32_t camera;  ///< whose pattern the image has
 };
 static_assert(sizeof(FrameHeader) == 32);
 
@@ -35,17 +35,17 @@ constexpr std::size_t least_frame = sizeof(FrameHeader) + sizeof(FrameTail);
 
 /// Reads one byte of each cache line between header and tail; their sum.
 std::uint32_t touch(std::span<const std::byte> frame);
-/// Fills a picture with the pattern of a camera.
-void draw(std::span<std::byte> picture, std::size_t camera);
+/// Fills an image with the pattern of a camera.
+void draw(std::span<std::byte> image, std::size_t camera);
 
 /// A frame that is to be produced. The transport says where.
 struct Frame {
     FrameHeader header;
-    std::span<const std::byte> picture;  ///< in the camera's buffer; as large as the frame
+    std::span<const std::byte> image;  ///< in the camera's buffer; as large as the frame
 
-    /// Writes header and tail: the camera has put its picture there already.
+    /// Writes header and tail: the camera has put its image there already.
     void stamp(std::byte* into) const;
-    /// Copies the picture and stamps it.
+    /// Copies the image and stamps it.
     void produce(std::byte* into) const;
 };
 
@@ -65,7 +65,7 @@ public:
 
 private:
     std::size_t size_;
-    std::array<Pages, cameras> pictures_;
+    std::array<Pages, cameras> images_;
 };
 
 /// Touches a frame that came and says whether it is the one that was sent.

@@ -14,10 +14,10 @@ namespace hive::bench {
 using Word = std::atomic<std::uint32_t>;
 static_assert(Word::is_always_lock_free && sizeof(Word) == 4);
 
-/// Sleeps while the word has this value, at most for `patience`; may return early.
-inline void futex_wait(Word& word, std::uint32_t value, Nanoseconds patience = second)
+/// Sleeps while the word has this value, at most for `timeout`; may return early.
+inline void futex_wait(Word& word, std::uint32_t value, Nanoseconds timeout = second)
 {
-    const timespec time{patience / second, patience % second};
+    const timespec time{timeout / second, timeout % second};
     ::syscall(SYS_futex, &word, FUTEX_WAIT, value, &time, nullptr, 0);
 }
 

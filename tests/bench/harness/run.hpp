@@ -27,7 +27,7 @@ struct Run {
     int window = 0;        ///< frames or requests under way at once; 0: as the row sees fit
     bool busy = false;     ///< with one core taken by other work
     bool dial = false;     ///< each question on a connection of its own
-    double patience = 20;  ///< seconds until a run that hangs is given up
+    double timeout = 20;   ///< seconds until a run that hangs is given up
 
     // between the processes of one run
     Role role = Role::controller;

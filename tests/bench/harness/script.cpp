@@ -104,10 +104,10 @@ void Script::finish_measuring()
 }
 
 /// Sleeps until fewer frames than the credit are under way; false when that takes too long.
-bool Script::wait_for_credit(std::uint64_t credit, Nanoseconds patience)
+bool Script::wait_for_credit(std::uint64_t credit, Nanoseconds timeout)
 {
     const auto spent = [&] { return sequence_ >= board_.consumed(run_.subscribers) + credit; };
-    const auto end = now_ns() + patience;
+    const auto end = now_ns() + timeout;
     while (spent()) {
         const auto bell = board_.bell.load();
         board_.listening = true;

@@ -25,7 +25,7 @@ private:
     void advance();
     void begin(Phase phase, Nanoseconds pause);
     [[nodiscard]] bool measured_enough() const;
-    bool wait_for_credit(std::uint64_t credit, Nanoseconds patience);
+    bool wait_for_credit(std::uint64_t credit, Nanoseconds timeout);
     void finish_measuring();
 
     const Run& run_;

@@ -38,17 +38,17 @@ void run_as_drone(const Run& run, const std::string& name, const std::function<v
         throw std::runtime_error(name + " failed");
 }
 
-/// Fills loans as a camera would that writes its pictures in place: only header and tail are written, into memory that
-/// holds a picture already. A loan that is met for the first time is given one.
+/// Fills loans as a camera would that writes its images in place: only header and tail are written, into memory that
+/// holds an image already. A loan that is met for the first time is given one.
 class InPlace {
 public:
     void fill(Loan& loan, Frame frame)
     {
         auto* memory = reinterpret_cast<std::byte*>(loan.data());
-        const auto [place, fresh] = drawn_.try_emplace(memory, Drawn{frame.header.camera, frame.picture});
-        const auto& [camera, picture] = place->second;
-        if (fresh || !still_there(picture, memory))
-            std::memcpy(memory, picture.data(), picture.size());
+        const auto [place, fresh] = drawn_.try_emplace(memory, Drawn{frame.header.camera, frame.image});
+        const auto& [camera, image] = place->second;
+        if (fresh || !still_there(image, memory))
+            std::memcpy(memory, image.data(), image.size());
         frame.header.camera = camera;
         frame.stamp(memory);
     }
@@ -56,16 +56,16 @@ public:
 private:
     struct Drawn {
         std::uint32_t camera;
-        std::span<const std::byte> picture;
+        std::span<const std::byte> image;
     };
 
-    /// Memory that was given back to the system has lost its picture; a few places show it.
-    static bool still_there(std::span<const std::byte> picture, const std::byte* memory)
+    /// Memory that was given back to the system has lost its image; a few places show it.
+    static bool still_there(std::span<const std::byte> image, const std::byte* memory)
     {
         constexpr std::size_t places = 16;
-        const auto step = std::max<std::size_t>(1, picture.size() / places);
-        for (std::size_t i = sizeof(FrameHeader); i + sizeof(FrameTail) < picture.size(); i += step)
-            if (memory[i] != picture[i])
+        const auto step = std::max<std::size_t>(1, image.size() / places);
+        for (std::size_t i = sizeof(FrameHeader); i + sizeof(FrameTail) < image.size(); i += step)
+            if (memory[i] != image[i])
                 return false;
         return true;
     }
@@ -126,7 +126,7 @@ private:
 
     Body body_of(const Frame& frame, const Output& output)
     {
-        Loan loan = output.loan(frame.picture.size());
+        Loan loan = output.loan(frame.image.size());
         if (run_.is("zc"))
             in_place_.fill(loan, frame);
         else

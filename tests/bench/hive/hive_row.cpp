@@ -1,7 +1,7 @@
 // Hive as a row of the benchmark. Publisher, subscribers and server are drones in processes of their own; an
 // application in the controller wires them.
 //
-//     bench_hive local     drones that meet on this machine; the picture is copied into the loan
+//     bench_hive local     drones that meet on this machine; the image is copied into the loan
 //     bench_hive local-zc  the same, but the camera has written into the loan: only header and tail are stamped
 //     bench_hive tcp       over TCP on 127.0.0.1
 //     bench_hive tls       the same, under a swarm key; dial=1: each RPC on a connection of its own
@@ -40,9 +40,9 @@ ConnectionOptions options_of(const Run& run)
 }
 
 /// Tries again until the drones are there.
-void within(Nanoseconds patience, const std::function<void()>& attempt)
+void within(Nanoseconds timeout, const std::function<void()>& attempt)
 {
-    for (const auto end = now_ns() + patience;; sleep_for(2 * millisecond))
+    for (const auto end = now_ns() + timeout;; sleep_for(2 * millisecond))
         try {
             return attempt();
         } catch (const Error&) {

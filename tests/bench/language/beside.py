@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Measures a drone in Python beside the same one in C++: run by scripts/bench --python.
 
-A source in C++ gives its pictures on demand, with a window of 8; the drones look at them one after the other, each for
+A source in C++ gives its frames on demand, with a window of 8; the drones look at them one after the other, each for
 some seconds, in turns. What one event costs is the time between two of them, and the processor time of the drone's
 process.
 """

@@ -12,18 +12,18 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// As a camera that copies its picture into a loan.
+/// As a camera that copies its image into a loan.
 void source(hive::Drone& drone)
 {
     int bytes = 64;
-    drone.parameter("bytes", bytes, hive::between(1, 16 << 20).in("B"), "of one picture");
+    drone.parameter("bytes", bytes, hive::between(1, 16 << 20).in("B"), "of one image");
     const auto output = drone.output("image", "image/raw", "the bytes");
-    std::vector<unsigned char> picture(16 << 20, 7);
+    std::vector<unsigned char> image(16 << 20, 7);
     drone.main([&]() -> std::chrono::microseconds {
         if (!output.asked())
             return 1s;
         hive::Loan loan = output.loan(static_cast<std::size_t>(bytes));
-        std::memcpy(loan.data(), picture.data(), static_cast<std::size_t>(bytes));
+        std::memcpy(loan.data(), image.data(), static_cast<std::size_t>(bytes));
         output.emit_captured(std::chrono::system_clock::now(), true, {{"width", bytes}, {"height", 1}},
                              [&]() -> hive::Body { return std::move(loan); });
         return 0us;

@@ -1,7 +1,7 @@
 // What the machine allows through shared memory: a memfd of 8 slots, the numbers of the full ones in a ring, a futex to
 // sleep on, and nothing else. The publisher takes the slot that was freed last: its lines are still in the cache.
 //
-//     bench_raw_shm copy  the picture is copied from the camera's buffer into the slot
+//     bench_raw_shm copy  the image is copied from the camera's buffer into the slot
 //     bench_raw_shm zc    the camera has written into the slot: only header and tail are stamped
 #include "../harness/transport.hpp"
 #include "segment.hpp"

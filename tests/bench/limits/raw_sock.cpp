@@ -59,10 +59,10 @@ private:
 
     void write_direct(const Socket& socket, const Frame& frame) const
     {
-        std::uint64_t size = frame.picture.size();
+        std::uint64_t size = frame.image.size();
         FrameHeader header = frame.header;
         FrameTail tail = frame.header.sequence;
-        auto* middle = const_cast<std::byte*>(frame.picture.data()) + sizeof header;
+        auto* middle = const_cast<std::byte*>(frame.image.data()) + sizeof header;
         std::array parts{iovec{&size, sizeof size}, iovec{&header, sizeof header}, iovec{middle, size - least_frame},
                          iovec{&tail, sizeof tail}};
         socket.write(parts);

@@ -9,12 +9,12 @@
 namespace hive::bench {
 namespace {
 
-constexpr Nanoseconds patience = 5 * second;
+constexpr Nanoseconds timeout = 5 * second;
 
 template <class Condition>
 void await_maker(Condition there)
 {
-    for (const auto end = now_ns() + patience; !there(); sleep_for(millisecond))
+    for (const auto end = now_ns() + timeout; !there(); sleep_for(millisecond))
         if (now_ns() > end)
             throw std::runtime_error("nobody made the shared memory");
 }

@@ -46,7 +46,7 @@ public:
     {
         return {base_ + page + index * stride_, frame_};
     }
-    /// Puts a frame into a slot. @param in_place  the camera's picture is there already
+    /// Puts a frame into a slot. @param in_place  the camera's image is there already
     void put(const Frame& frame, std::uint32_t index, bool in_place) const;
 
 private:

@@ -50,7 +50,7 @@ private:
     }
     void send(const Frame& frame) override
     {
-        publisher_.loan(static_cast<std::uint32_t>(frame.picture.size()), line)
+        publisher_.loan(static_cast<std::uint32_t>(frame.image.size()), line)
             .and_then([&](auto& chunk) {
                 frame.produce(static_cast<std::byte*>(chunk));
                 publisher_.publish(chunk);
@@ -138,7 +138,7 @@ private:
         std::memcpy(&request, chunk, sizeof request);
         Frame frame{};
         const bool more = on_request(request, frame);
-        server_.loan(RequestHeader::fromPayload(chunk), static_cast<std::uint32_t>(frame.picture.size()), line)
+        server_.loan(RequestHeader::fromPayload(chunk), static_cast<std::uint32_t>(frame.image.size()), line)
             .and_then([&](void* response) {
                 frame.produce(static_cast<std::byte*>(response));
                 server_.send(response).or_else([](auto&) { throw std::runtime_error("cannot answer"); });

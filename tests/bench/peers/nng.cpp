@@ -44,7 +44,7 @@ Message message_of_size(std::size_t size)
 
 Message message_of(const Frame& frame)
 {
-    Message message = message_of_size(frame.picture.size());
+    Message message = message_of_size(frame.image.size());
     frame.produce(static_cast<std::byte*>(nng_msg_body(message.get())));
     return message;
 }

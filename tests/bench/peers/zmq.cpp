@@ -19,7 +19,7 @@ std::string address_of(const Run& run)
 
 zmq::message_t message_of(const Frame& frame)
 {
-    zmq::message_t message(frame.picture.size());
+    zmq::message_t message(frame.image.size());
     frame.produce(message.data<std::byte>());
     return message;
 }

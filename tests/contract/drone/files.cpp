@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Grey, 64 x 48: the code of a drone that reads a file at its first picture runs.
+/// Grey, 64 x 48: the code of a drone that reads a file at its first image runs.
 std::string png()
 {
     constexpr std::string_view digits =
@@ -59,10 +59,10 @@ public:
             texts.push_back((path_ / name).string());
         return texts;
     }
-    [[nodiscard]] bool touched(std::chrono::milliseconds patience) const
+    [[nodiscard]] bool touched(std::chrono::milliseconds timeout) const
     {
         pollfd ready{watch_, POLLIN, 0};
-        return ::poll(&ready, 1, static_cast<int>(patience.count())) > 0;
+        return ::poll(&ready, 1, static_cast<int>(timeout.count())) > 0;
     }
 
 private:
@@ -87,7 +87,7 @@ TEST_CASE("drone: a text parameter that is not the operator's is never taken for
             CAPTURE(text);
             auto peer = home.meet();
             peer.ask(raw::set, {{"parameters", {{parameter.at("name"), text}}}});
-            for (const auto& input : subject::picture_inputs())
+            for (const auto& input : subject::image_inputs())
                 peer.ask(raw::put, {{"input", input}, {"type", "image/png"}}, 0, png());
             CHECK_FALSE(folder.touched(std::chrono::milliseconds(100)));
             peer.ask(raw::set, {{"parameters", {{parameter.at("name"), parameter.at("default")}}}});

@@ -39,7 +39,7 @@ TEST_CASE(
     CHECK(peer.ask(raw::status).at("result").at("events").at("received") == 0);
 }
 
-TEST_CASE("drone: garbage put to a picture input gives one exception each, with the input's identity, and no result; "
+TEST_CASE("drone: garbage put to an image input gives one exception each, with the input's identity, and no result; "
           "the drone lives on")
 {
     const std::vector<std::pair<std::string, std::string>> garbage{{"image/jpeg", ""},
@@ -48,7 +48,7 @@ TEST_CASE("drone: garbage put to a picture input gives one exception each, with 
                                                                    {"image/jpeg", "\xFF\xD8\xFF\xD9"},
                                                                    {"image/png", "\x89PNG\r\n\x1A\n"},
                                                                    {"image/raw", std::string(1000, 'r')}};
-    for (const auto& input : subject::picture_inputs()) {
+    for (const auto& input : subject::image_inputs()) {
         const subject::Home home;
         const auto process = home.start();
         auto peer = with_exceptions(home);
@@ -87,7 +87,7 @@ TEST_CASE("drone: garbage put to a picture input gives one exception each, with 
 
 TEST_CASE("drone: with the policy halt the first exception halts it")
 {
-    for (const auto& input : subject::picture_inputs()) {
+    for (const auto& input : subject::image_inputs()) {
         const subject::Home home;
         const auto process = home.start({"--on-exception", "halt"});
         auto peer = with_exceptions(home);

@@ -118,9 +118,9 @@ void Peer::close()
     ended_ = true;
 }
 
-bool Peer::send(const std::string& bytes, Milliseconds patience)
+bool Peer::send(const std::string& bytes, Milliseconds timeout)
 {
-    const auto until = Clock::now() + patience;
+    const auto until = Clock::now() + timeout;
     sent_ = Clock::now();
     for (std::size_t sent = 0; sent < bytes.size();) {
         const auto count = ::send(descriptor_, bytes.data() + sent, bytes.size() - sent, MSG_NOSIGNAL | MSG_DONTWAIT);
@@ -167,9 +167,9 @@ std::optional<Packet> Peer::take()
     return packet;
 }
 
-std::optional<Packet> Peer::next(Milliseconds patience)
+std::optional<Packet> Peer::next(Milliseconds timeout)
 {
-    const auto until = Clock::now() + patience;
+    const auto until = Clock::now() + timeout;
     for (;;) {
         while (auto packet = take()) {
             if (packet->type == ping && !silent_)
@@ -185,9 +185,9 @@ std::optional<Packet> Peer::next(Milliseconds patience)
     }
 }
 
-std::optional<Packet> Peer::next_of(int type, Milliseconds patience, const std::function<void(const Packet&)>& seen)
+std::optional<Packet> Peer::next_of(int type, Milliseconds timeout, const std::function<void(const Packet&)>& seen)
 {
-    const auto until = Clock::now() + patience;
+    const auto until = Clock::now() + timeout;
     while (auto packet =
                next(std::max(Milliseconds(0), std::chrono::duration_cast<Milliseconds>(until - Clock::now())))) {
         if (packet->type == type)
@@ -198,12 +198,12 @@ std::optional<Packet> Peer::next_of(int type, Milliseconds patience, const std::
     return std::nullopt;
 }
 
-Json Peer::ask(int type, Json fields, int channel, const std::string& body, Milliseconds patience)
+Json Peer::ask(int type, Json fields, int channel, const std::string& body, Milliseconds timeout)
 {
     fields["id"] = ++last_id_;
-    if (!send(packet(type, channel, fields.dump(), body), patience))
+    if (!send(packet(type, channel, fields.dump(), body), timeout))
         return nullptr;
-    const auto until = Clock::now() + patience;
+    const auto until = Clock::now() + timeout;
     while (auto answer = next_of(
                confirmation, std::max(Milliseconds(0), std::chrono::duration_cast<Milliseconds>(until - Clock::now()))))
         if (Json json = answer->json(); json.at("id") == last_id_)
@@ -211,9 +211,9 @@ Json Peer::ask(int type, Json fields, int channel, const std::string& body, Mill
     return nullptr;
 }
 
-bool Peer::closed_within(Milliseconds patience)
+bool Peer::closed_within(Milliseconds timeout)
 {
-    const auto until = Clock::now() + patience;
+    const auto until = Clock::now() + timeout;
     while (!ended_ && Clock::now() < until)
         fill(until);
     return ended_;
@@ -235,9 +235,9 @@ Listener::~Listener()
     std::filesystem::remove(socket_, ignored);
 }
 
-std::optional<Peer> Listener::accept(Milliseconds patience)
+std::optional<Peer> Listener::accept(Milliseconds timeout)
 {
-    if (wait_until(descriptor_, POLLIN, Clock::now() + patience) <= 0)
+    if (wait_until(descriptor_, POLLIN, Clock::now() + timeout) <= 0)
         return std::nullopt;
     const int descriptor = ::accept4(descriptor_, nullptr, nullptr, SOCK_CLOEXEC);
     return descriptor < 0 ? std::nullopt : std::optional(Peer(descriptor));

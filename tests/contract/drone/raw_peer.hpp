@@ -69,19 +69,19 @@ public:
     Peer(Peer&& other) noexcept;
     Peer& operator=(Peer&& other) noexcept;
 
-    /// Writes all of it, or as much as the peer takes within `patience`. False when the peer has closed or does not
+    /// Writes all of it, or as much as the peer takes within `timeout`. False when the peer has closed or does not
     /// read.
-    bool send(const std::string& bytes, Milliseconds patience = Milliseconds(5000));
+    bool send(const std::string& bytes, Milliseconds timeout = Milliseconds(5000));
     /// The next packet but ping and pong; nothing when the time is over or the stream has ended.
-    std::optional<Packet> next(Milliseconds patience = Milliseconds(5000));
+    std::optional<Packet> next(Milliseconds timeout = Milliseconds(5000));
     /// The next packet of this type; others are dropped, but exceptions, events and notifications with `seen`.
-    std::optional<Packet> next_of(int type, Milliseconds patience = Milliseconds(5000),
+    std::optional<Packet> next_of(int type, Milliseconds timeout = Milliseconds(5000),
                                   const std::function<void(const Packet&)>& seen = {});
     /// Sends a request (with an id) and returns the confirmation's JSON; null when none came.
     Json ask(int type, Json fields = Json::object(), int channel = 0, const std::string& body = {},
-             Milliseconds patience = Milliseconds(10'000));
+             Milliseconds timeout = Milliseconds(10'000));
     /// Does the other end close within the time? What it sends meanwhile is dropped.
-    bool closed_within(Milliseconds patience);
+    bool closed_within(Milliseconds timeout);
     [[nodiscard]] bool ended() const noexcept { return ended_; }
     /// Sends nothing by itself, not even pongs.
     void silent(bool yes) noexcept { silent_ = yes; }
@@ -109,7 +109,7 @@ public:
     Listener(const Listener&) = delete;
     Listener& operator=(const Listener&) = delete;
     /// The next peer, before any hello.
-    std::optional<Peer> accept(Milliseconds patience = Milliseconds(5000));
+    std::optional<Peer> accept(Milliseconds timeout = Milliseconds(5000));
 
 private:
     std::filesystem::path socket_;

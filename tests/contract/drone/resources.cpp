@@ -37,7 +37,7 @@ std::size_t threads(pid_t pid)
 }  // namespace
 
 TEST_CASE(
-    "drone: one that has nothing to do uses less than 2 % of a core, a source with one small picture a second 4 %")
+    "drone: one that has nothing to do uses less than 2 % of a core, a source with one small frame per second 4 %")
 {
     const subject::Home home;
     const auto process = home.start();

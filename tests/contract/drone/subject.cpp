@@ -78,7 +78,7 @@ const Json& description()
     return json;
 }
 
-std::vector<std::string> picture_inputs()
+std::vector<std::string> image_inputs()
 {
     std::vector<std::string> names;
     for (const auto& input : description().at("inputs"))

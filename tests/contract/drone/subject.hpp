@@ -30,8 +30,8 @@ Ended run(const std::vector<std::string>& words, const std::vector<std::string>&
 Ended run_offline(const std::vector<std::string>& arguments);
 /// What --describe prints.
 const Json& description();
-/// The rows of description()["inputs"] that take pictures.
-std::vector<std::string> picture_inputs();
+/// The rows of description()["inputs"] that take images.
+std::vector<std::string> image_inputs();
 /// A number as pages and answers write it.
 std::string written(double number);
 

@@ -93,13 +93,13 @@ bool says(hive::Application& application, const std::string& beginning)
 
 }  // namespace
 
-bool comes_to_say(hive::Application& application, const std::string& beginning, Milliseconds patience)
+bool comes_to_say(hive::Application& application, const std::string& beginning, Milliseconds timeout)
 {
-    return eventually([&] { return says(application, beginning); }, patience);
+    return eventually([&] { return says(application, beginning); }, timeout);
 }
 
 bool comes_to_say(hive::Application& application, hive::Collector& collector, const std::string& beginning,
-                  Milliseconds patience)
+                  Milliseconds timeout)
 {
     return eventually(
         [&] {
@@ -107,15 +107,15 @@ bool comes_to_say(hive::Application& application, hive::Collector& collector, co
                 check_image(*event);
             return says(application, beginning);
         },
-        patience);
+        timeout);
 }
 
-void take_images(hive::Collector& collector, int count, Milliseconds patience)
+void take_images(hive::Collector& collector, int count, Milliseconds timeout)
 {
     using namespace std::chrono;
     const auto begin = duration_cast<microseconds>(system_clock::now().time_since_epoch()).count();
     while (count > 0) {
-        const auto event = collector.next(patient(patience));
+        const auto event = collector.next(patient(timeout));
         if (!event)
             throw std::runtime_error("no image came");
         check_image(*event);

@@ -44,14 +44,14 @@ Process axis_drone(const Swarm& swarm, const EmulatedCamera& camera, std::vector
 std::string condition(hive::Application& application);
 /// Waits for a condition with this start.
 bool comes_to_say(hive::Application& application, const std::string& beginning,
-                  Milliseconds patience = Milliseconds(6000));
+                  Milliseconds timeout = Milliseconds(6000));
 
 /// As above, while the images are taken that come, each decoded strictly.
 bool comes_to_say(hive::Application& application, hive::Collector& collector, const std::string& beginning,
-                  Milliseconds patience);
+                  Milliseconds timeout);
 
 /// Takes `count` images that were captured from now on and decodes each, strictly: throws when one is broken or does
 /// not come.
-void take_images(hive::Collector& collector, int count, Milliseconds patience = Milliseconds(5000));
+void take_images(hive::Collector& collector, int count, Milliseconds timeout = Milliseconds(5000));
 
 }  // namespace stage

@@ -62,9 +62,9 @@ bool Client::fill(Clock::time_point until)
     return !ended_;
 }
 
-Reply Client::reply(Milliseconds patience)
+Reply Client::reply(Milliseconds timeout)
 {
-    const auto until = Clock::now() + patience;
+    const auto until = Clock::now() + timeout;
     while (fill(until)) {
     }
     const auto end = raw_.find("\r\n\r\n");
@@ -89,10 +89,10 @@ void Client::unchunk()
     }
 }
 
-std::optional<std::string> Client::next_image(Milliseconds patience)
+std::optional<std::string> Client::next_image(Milliseconds timeout)
 {
     const std::string boundary = "--picture\r\n", length = "Content-Length: ";
-    const auto until = Clock::now() + patience;
+    const auto until = Clock::now() + timeout;
     do {
         unchunk();
         if (body_.starts_with(boundary))
@@ -110,11 +110,11 @@ std::optional<std::string> Client::next_image(Milliseconds patience)
     return std::nullopt;
 }
 
-bool Client::more_within(Milliseconds patience) { return fill(Clock::now() + patience); }
+bool Client::more_within(Milliseconds timeout) { return fill(Clock::now() + timeout); }
 
-bool Client::closed_within(Milliseconds patience)
+bool Client::closed_within(Milliseconds timeout)
 {
-    const auto until = Clock::now() + patience;
+    const auto until = Clock::now() + timeout;
     while (fill(until))
         raw_.clear();
     return ended_;

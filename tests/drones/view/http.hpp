@@ -34,14 +34,14 @@ public:
     bool send(const std::string& bytes);
     /// Sends a request with the token of the tests.
     bool ask(const std::string& path);
-    /// Reads up to the end of the connection, or to `patience`.
-    Reply reply(Milliseconds patience = Milliseconds(40'000));
+    /// Reads up to the end of the connection, or to `timeout`.
+    Reply reply(Milliseconds timeout = Milliseconds(40'000));
     /// The next image of a stream; nothing when none comes in time.
-    std::optional<std::string> next_image(Milliseconds patience = Milliseconds(40'000));
+    std::optional<std::string> next_image(Milliseconds timeout = Milliseconds(40'000));
     /// Does anything more come within the time?
-    bool more_within(Milliseconds patience);
+    bool more_within(Milliseconds timeout);
     /// Does the other end close within the time?
-    bool closed_within(Milliseconds patience);
+    bool closed_within(Milliseconds timeout);
 
 private:
     bool fill(std::chrono::steady_clock::time_point until);

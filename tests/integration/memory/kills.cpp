@@ -1,4 +1,4 @@
-// A thousand SIGKILLs of either end of shared memory: no slot, descriptor, mapping or memory is lost, no picture is
+// A thousand SIGKILLs of either end of shared memory: no slot, descriptor, mapping or memory is lost, no image is
 // broken.
 #include "peers.hpp"
 #include "process.hpp"
@@ -110,7 +110,7 @@ TEST_CASE("shared memory: receivers killed a thousand times give every slot back
     check_nothing_leaked(*before, Usage::now());
 }
 
-TEST_CASE("shared memory: producers killed a thousand times leave whole pictures and nothing else")
+TEST_CASE("shared memory: producers killed a thousand times leave whole images and nothing else")
 {
     Meeting meeting;
     std::mt19937 random(2);

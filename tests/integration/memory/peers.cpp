@@ -12,7 +12,7 @@ using hive::protocol::PacketType;
 
 namespace {
 
-constexpr std::size_t kept_pictures = 2;
+constexpr std::size_t kept_images = 2;
 constexpr int most_ahead = 4;
 
 unsigned char byte_of(int number) { return static_cast<unsigned char>(number * 7 + 1); }
@@ -21,7 +21,7 @@ unsigned char byte_of(int number) { return static_cast<unsigned char>(number * 7
 
 bool intact(const Body& body)
 {
-    return body.size() == picture_size
+    return body.size() == image_size
            && std::ranges::all_of(body.bytes(), [first = body.bytes()[0]](std::byte byte) { return byte == first; });
 }
 
@@ -49,9 +49,9 @@ void Producer::start()
 void Producer::produce()
 {
     for (; sent_ < asked_ + most_ahead; ++sent_) {
-        auto loan = pool_->loan(picture_size);
-        Body body = loan ? Body(std::move(*loan)) : Body(std::vector<unsigned char>(picture_size));
-        std::memset(const_cast<unsigned char*>(body.data()), byte_of(sent_), picture_size);
+        auto loan = pool_->loan(image_size);
+        Body body = loan ? Body(std::move(*loan)) : Body(std::vector<unsigned char>(image_size));
+        std::memset(const_cast<unsigned char*>(body.data()), byte_of(sent_), image_size);
         const auto carriage = connection_->send(make_packet(PacketType::event, "{}", 1, std::move(body)));
         fallbacks_ += carriage == hive::transport::Carriage::fallback ? 1 : 0;
     }
@@ -75,7 +75,7 @@ void Receiver::take(const Body& body)
     broken_ += intact(body) && body.data()[0] == byte_of(received_) ? 0 : 1;
     ++received_;
     kept_.push_back(body);
-    if (kept_.size() > kept_pictures)
+    if (kept_.size() > kept_images)
         kept_.pop_front();
     connection_->send(make_packet(PacketType::request, "{}", 1));
 }

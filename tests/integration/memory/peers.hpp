@@ -1,4 +1,4 @@
-// Two ends that exchange pictures through shared memory, each of which may be another process.
+// Two ends that exchange images through shared memory, each of which may be another process.
 #pragma once
 
 #include <hive/transport/transport.hpp>
@@ -16,12 +16,12 @@ using hive::Body;
 using hive::transport::Connection;
 using hive::transport::Pool;
 
-inline constexpr std::size_t picture_size = 256 * 1024;
+inline constexpr std::size_t image_size = 256 * 1024;
 
-/// Every byte of picture `number` is the same, so that any other byte shows.
+/// Every byte of image `number` is the same, so that any other byte shows.
 bool intact(const Body& body);
 
-/// Sends pictures through a pool, at most four that were not asked for yet.
+/// Sends images through a pool, at most four that were not asked for yet.
 class Producer {
 public:
     Producer(std::shared_ptr<Connection> connection, std::shared_ptr<Pool> pool);
@@ -39,7 +39,7 @@ private:
     bool closed_ = false;
 };
 
-/// Takes pictures, keeps the last few, asks for the next.
+/// Takes images, keeps the last few, asks for the next.
 class Receiver {
 public:
     explicit Receiver(std::shared_ptr<Connection> connection) : connection_(std::move(connection)) {}

@@ -14,7 +14,7 @@
 
 namespace world {
 
-constexpr auto long_patience = 60'000ms;  // on a machine that does much else
+constexpr auto long_timeout = 60'000ms;  // on a machine that does much else
 
 /// A source and workers that share what it gives.
 inline Json workers_file(int workers)
@@ -89,7 +89,7 @@ public:
         const auto call = [](void* user, std::size_t done, std::size_t all, const char* what) -> hive_code {
             return (*static_cast<Progress*>(user))(done, all, what) ? HIVE_OK : HIVE_FAILED;
         };
-        REQUIRE_MESSAGE(hive_swarm_up(handle, patient(long_patience).count(), progress ? +call : nullptr, &progress,
+        REQUIRE_MESSAGE(hive_swarm_up(handle, patient(long_timeout).count(), progress ? +call : nullptr, &progress,
                                       text.place(), nullptr)
                             == HIVE_OK,
                         error());
@@ -106,7 +106,7 @@ public:
     [[nodiscard]] std::vector<std::string> down() const
     {
         Text text;
-        REQUIRE_MESSAGE(hive_swarm_down(handle, patient(long_patience).count(), nullptr, nullptr, text.place(), nullptr)
+        REQUIRE_MESSAGE(hive_swarm_down(handle, patient(long_timeout).count(), nullptr, nullptr, text.place(), nullptr)
                             == HIVE_OK,
                         error());
         CHECK_MESSAGE(text.json().at("failures").empty(), text.text());

@@ -243,7 +243,7 @@ TEST_CASE("c: a drone is started and stopped, one that does not start says why, 
     const auto start = [&](const char* kind, const Json& options) {
         return hive_application_start(lab.application, kind, options.dump().c_str(), text.place());
     };
-    const auto ready_ms = patient(long_patience).count();
+    const auto ready_ms = patient(long_timeout).count();
     REQUIRE_MESSAGE(start("ticker", {{"name", "source"}, {"parameters", {{"pace", "demand"}}}, {"ready_ms", ready_ms}})
                         == HIVE_OK,
                     error());
@@ -316,7 +316,7 @@ TEST_CASE("c: a new process takes over from a drone, and when it does not get re
     const auto replace = [&](const char* drone, const Json& options) {
         return hive_application_replace(lab.application, drone, options.dump().c_str(), text.place());
     };
-    const auto ready_ms = patient(long_patience).count();
+    const auto ready_ms = patient(long_timeout).count();
     REQUIRE_MESSAGE(replace("worker-1", {{"parameters", {{"most_ms", 100}}}, {"ready_ms", ready_ms}}) == HIVE_OK,
                     error());
     CHECK(text.json().at("drone") == "worker-1");

@@ -11,12 +11,12 @@ import time
 import unittest
 
 import hive
-from world import PATIENCE, PROGRAMS, SlowLine, World, eventually
+from world import TIMEOUT, PROGRAMS, SlowLine, World, eventually
 
 
 class Applications(World):
     def numbers(self, collector, count):
-        return [collector.next(PATIENCE).sequence for _ in range(count)]
+        return [collector.next(TIMEOUT).sequence for _ in range(count)]
 
     def test_drones_are_found_described_and_awaited(self):
         self.assertEqual(self.swarm.drones(), [])
@@ -79,12 +79,12 @@ class Applications(World):
     def test_an_event_is_done_when_the_next_is_asked_for_unless_it_is_held(self):
         self.drone("ticker", "source", "pace=demand", "count=9")
         collector = self.swarm.collect("source", window=1)
-        kept = [collector.next(PATIENCE) for _ in range(3)]
+        kept = [collector.next(TIMEOUT) for _ in range(3)]
         self.assertEqual([event.sequence for event in kept], [1, 2, 3])
-        held = collector.next(PATIENCE).hold()
+        held = collector.next(TIMEOUT).hold()
         self.assertIsNone(collector.next(0.2))
         held.done()
-        self.assertEqual(collector.next(PATIENCE).sequence, 5)
+        self.assertEqual(collector.next(TIMEOUT).sequence, 5)
         self.assertEqual([len(event.body) for event in kept], [1000] * 3)
 
     def test_results_take_the_output_with_results(self):
@@ -94,19 +94,19 @@ class Applications(World):
         self.swarm.connect("source", "worker")
         self.assertEqual(list(self.swarm.results("worker", count=0)), [])
         self.refused("timeout", next, self.swarm.results("worker.result", timeout=0.05))
-        results = self.swarm.results("worker", timeout=PATIENCE)
+        results = self.swarm.results("worker", timeout=TIMEOUT)
         resumed = threading.Timer(0.05, self.swarm.resume, ["source"])
         resumed.start()
         self.assertEqual([event.header["index"] for event in results], [1, 2, 3, 4, 5])
         resumed.join()
-        self.assertEqual(list(self.swarm.results("worker", timeout=PATIENCE)), [])
+        self.assertEqual(list(self.swarm.results("worker", timeout=TIMEOUT)), [])
 
     def test_exceptions_come_with_the_identity_and_a_halted_drone_goes_on_when_it_is_resumed(self):
         self.drone("ticker", "source", "fps=200")
         self.drone("sleeper", "worker", "throw_at=5", more=("--on-exception", "halt"))
         exceptions = self.swarm.exceptions("worker")
         self.swarm.connect("source", "worker")
-        event = exceptions.next(PATIENCE)
+        event = exceptions.next(TIMEOUT)
         self.assertGreaterEqual(event.sequence, 5)
         self.assertEqual((event.source, event.header["policy"], event.header["input"]), ("source", "halt", "image"))
         self.assertIn("not to my taste", event.header["text"])
@@ -115,7 +115,7 @@ class Applications(World):
         self.swarm.exception_policy("worker", "skip")
         self.refused("invalid_argument", self.swarm.exception_policy, "worker", "never")
         self.swarm.resume("worker")
-        self.assertIsNotNone(self.swarm.collect("worker").next(PATIENCE))
+        self.assertIsNotNone(self.swarm.collect("worker").next(TIMEOUT))
 
     def test_what_a_drone_failed_at_is_given_to_a_fresh_one(self):
         os.environ["HIVE_DRONE_PATH"] = PROGRAMS
@@ -124,13 +124,13 @@ class Applications(World):
         self.assertEqual(self.swarm.failures("worker"), [])
         exceptions = self.swarm.exceptions("worker")
         self.swarm.put("worker", b"x", "text/plain", header={"page": 3})
-        exceptions.next(PATIENCE)
+        exceptions.next(TIMEOUT)
         (failure,) = self.swarm.failures("worker")
         self.assertEqual((failure["number"], failure["code"]), (1, "failed"))
         self.assertEqual((failure["inputs"][0]["input"], failure["inputs"][0]["size"]), ("image", 1))
-        again = self.swarm.rerun("worker", timeout=PATIENCE)
+        again = self.swarm.rerun("worker", timeout=TIMEOUT)
         self.assertEqual((again["outcome"], again["text"]), ("threw", failure["text"]))
-        passed = self.swarm.rerun("worker", 1, throw_every=0, timeout=PATIENCE)
+        passed = self.swarm.rerun("worker", 1, throw_every=0, timeout=TIMEOUT)
         self.assertEqual((passed["outcome"], passed["emitted"]), ("passed", 1))
         self.refused("not_found", self.swarm.rerun, "worker", 2)
         file = os.path.join(self.home, "saved.failure")
@@ -138,7 +138,7 @@ class Applications(World):
         subprocess.run([hivectl, "rerun", "worker", "--save", file], check=True, capture_output=True,
                        env={**os.environ, "HIVE_HOME": self.home})
         self.swarm.stop("worker")
-        again = self.swarm.rerun(file, timeout=PATIENCE)
+        again = self.swarm.rerun(file, timeout=TIMEOUT)
         self.assertEqual((again["outcome"], again["text"], again["unfit"]), ("threw", failure["text"], []))
         self.refused("io", self.swarm.rerun, "./missing.failure")
         self.refused("invalid_argument", self.swarm.rerun, "worker", on="-oProxyCommand=x")
@@ -174,7 +174,7 @@ class Applications(World):
         self.drone("ticker", "source", "fps=50")
         self.drone("sleeper", "worker")
         self.swarm.connect("source", "worker")
-        self.assertIsNotNone(self.swarm.collect("worker").next(PATIENCE))
+        self.assertIsNotNone(self.swarm.collect("worker").next(TIMEOUT))
         families = {family["name"]: family for family in self.swarm.metrics()}
         up = [(each["labels"], each["value"]) for each in families["hive_drone_up"]["samples"]]
         self.assertEqual(up, [({"drone": name, "host": "local"}, 1) for name in ("source", "worker")])
@@ -207,7 +207,7 @@ class Applications(World):
 
     def test_what_is_notified_has_no_body_but_a_size(self):
         self.drone("ticker", "source", "fps=100")
-        event = self.swarm.collect("source", notify=True).next(PATIENCE)
+        event = self.swarm.collect("source", notify=True).next(TIMEOUT)
         self.assertEqual(len(event.body), 0)
         self.assertIn("index", event.header)
         self.assertIn("source.tick", repr(event))
@@ -216,7 +216,7 @@ class Applications(World):
         self.drone("ticker", "source", "fps=0.1", "pace=demand", "count=0")
         self.swarm.halt("source")
         collector = self.swarm.collect("source")
-        waiter = threading.Thread(target=collector.next, args=(PATIENCE,))
+        waiter = threading.Thread(target=collector.next, args=(TIMEOUT,))
         waiter.start()
         rounds = 0
         while waiter.is_alive() and rounds < 20:
@@ -246,7 +246,7 @@ class Applications(World):
         self.assertEqual(process.stdout.readline(), "waiting\n")
         process.send_signal(signal.SIGINT)
         self.assertEqual(process.stdout.readline(), "interrupted\n")
-        self.assertEqual(process.wait(PATIENCE), 0)
+        self.assertEqual(process.wait(TIMEOUT), 0)
 
     def interrupted(self, call):
         """It must wait until Ctrl-C comes, and no longer."""
@@ -310,7 +310,7 @@ class Applications(World):
         self.addCleanup(line.close)
         with tempfile.TemporaryDirectory(prefix="hv-", dir="/tmp") as home, hive.Application(home=home) as elsewhere:
             elsewhere.add_place("far", line.address)
-            elsewhere.wait("far", "idle", timeout=PATIENCE)
+            elsewhere.wait("far", "idle", timeout=TIMEOUT)
             self.refused("timeout", elsewhere.wait, "far", "halted", timeout=0.5)
 
     def test_what_a_handler_of_a_signal_raises_ends_a_call_and_one_that_returns_does_not(self):
@@ -355,7 +355,7 @@ class Applications(World):
         swarm = hive.Application("viewer", home=self.home)
         self.assertEqual(swarm.name, "viewer")
         collector = swarm.collect("source")
-        event = collector.next(PATIENCE)
+        event = collector.next(TIMEOUT)
         swarm.close()
         swarm.close()
         self.refused("stopped", swarm.drones)
@@ -380,7 +380,7 @@ class Applications(World):
             thread.start()
             time.sleep(0.1)  # it should wait by then; if not, it is told all the same
             close()
-            thread.join(PATIENCE)
+            thread.join(TIMEOUT)
             self.assertFalse(thread.is_alive())
         self.assertEqual(told, ["the collector is closed", "the application is closed"])
 
@@ -400,7 +400,7 @@ class Applications(World):
         for thread in threads:
             thread.start()
         while any(thread.is_alive() for thread in threads):
-            self.assertIsNotNone(collector.next(PATIENCE))
+            self.assertIsNotNone(collector.next(TIMEOUT))
         self.assertEqual(problems, [])
 
     def test_statuses_of_many_and_places_on_other_machines(self):
@@ -431,7 +431,7 @@ class Applications(World):
         address = next(place for place in self.swarm.status("worker")["places"] if place.startswith("tcp:"))
         for name in ("swarm", "viewer", "other"):
             with self.subTest(name), tempfile.TemporaryDirectory(prefix="hv-", dir="/tmp") as home:
-                with hive.Application(home=home, key=keys[name], timeout=PATIENCE) as there:
+                with hive.Application(home=home, key=keys[name], timeout=TIMEOUT) as there:
                     there.add_place("worker", address)
                     if name == "other":
                         self.refused("not_permitted", there.status, "worker")
@@ -446,7 +446,7 @@ class Applications(World):
         self.drone("sleeper", "worker")
         results = self.swarm.collect("worker")
         self.swarm.put("worker", b"x" * 10, "text/plain", {"index": 7})
-        self.assertEqual(results.next(PATIENCE).header["index"], 7)
+        self.assertEqual(results.next(TIMEOUT).header["index"], 7)
         self.refused("not_found", self.swarm.put, "worker.nothing", b"x")
         self.drone("counter", "counter")
         self.refused("type_mismatch", self.swarm.put, "counter.tick", b"x", "text/plain")

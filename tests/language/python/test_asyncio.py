@@ -4,11 +4,11 @@ import asyncio
 import time
 import unittest
 
-from world import PATIENCE, World
+from world import TIMEOUT, World
 
 
 def run(coroutine):
-    return asyncio.run(asyncio.wait_for(coroutine, PATIENCE))
+    return asyncio.run(asyncio.wait_for(coroutine, TIMEOUT))
 
 
 class Asyncio(World):

@@ -10,7 +10,7 @@ import numpy
 
 import hive
 from hive import _library
-from world import PATIENCE, Embedded, eventually
+from world import TIMEOUT, Embedded, eventually
 
 
 class Declarations(Embedded):
@@ -173,7 +173,7 @@ class Declarations(Embedded):
         self.run_embedded(worker)
         self.assertEqual(self.swarm.status("worker")["inputs"][0]["from"], "source.out")
         self.run_embedded(self.source(lambda output, number: output.emit({"number": number})))
-        self.assertTrue(taken.wait(PATIENCE))
+        self.assertTrue(taken.wait(TIMEOUT))
 
     def test_an_embedded_drone_listens_as_safely_as_any(self):
         missing = os.path.join(self.home, "missing.key")

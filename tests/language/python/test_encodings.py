@@ -7,7 +7,7 @@ import numpy
 
 import hive
 from hive import _images
-from world import PATIENCE, World
+from world import TIMEOUT, World
 
 IMAGE = numpy.add.outer(numpy.arange(60, dtype=numpy.uint8), numpy.arange(80, dtype=numpy.uint8))
 COLOUR = numpy.dstack((IMAGE, IMAGE + 20, IMAGE + 40))
@@ -34,7 +34,7 @@ class Encodings(World):
         sizes = {}
         for encoding, word in kinds.items():
             with self.subTest(encoding), self.swarm.collect("camera", encoding=encoding) as images:
-                event = images.next(PATIENCE)
+                event = images.next(TIMEOUT)
                 self.assertEqual((event.type, event.header["n"], event.header["width"]), ("image/" + word, 1, 80))
                 self.assertEqual("stride" in event.header, word == "raw")
                 most = 40 if word == "jpeg" else 0
@@ -57,7 +57,7 @@ class Encodings(World):
         results = self.swarm.collect("reader")
         self.images()
         self.swarm.connect("camera", "reader")
-        self.assertEqual(results.next(PATIENCE).header, {"type": "image/png", "same": True})
+        self.assertEqual(results.next(TIMEOUT).header, {"type": "image/png", "same": True})
         edge = self.swarm.status("camera")["outputs"][0]["edges"][0]
         self.assertEqual(edge["encoding"], "png")
 
@@ -79,7 +79,7 @@ class Encodings(World):
         seen = {}
         for encoding in ("repeat", "repeat:3", "same"):
             with self.swarm.collect("camera", encoding=encoding) as events:
-                event = events.next(PATIENCE)
+                event = events.next(TIMEOUT)
                 seen[encoding] = (event.type, event.header, bytes(event.body))
         self.assertEqual(seen, {"repeat": ("text/repeated", {"times": None}, b"ab"),
                                 "repeat:3": ("text/repeated", {"times": 3}, b"ababab"),
@@ -87,8 +87,8 @@ class Encodings(World):
         self.assertNotIn(threading.get_ident(), threads)
         exceptions = self.swarm.exceptions("camera")
         with self.swarm.collect("camera", encoding="repeat:9") as events:
-            self.assertEqual(events.next(PATIENCE).type, "text/plain")
-        self.assertIn("ValueError: nine is too many", exceptions.next(PATIENCE).header["text"])
+            self.assertEqual(events.next(TIMEOUT).type, "text/plain")
+        self.assertIn("ValueError: nine is too many", exceptions.next(TIMEOUT).header["text"])
 
     def test_what_cannot_be_declared_is_refused(self):
         drone = hive.Drone("camera", embedded=True)

@@ -6,7 +6,7 @@ import textwrap
 import time
 import unittest
 
-from world import PATIENCE, World, eventually
+from world import TIMEOUT, World, eventually
 
 EVENTS = int(os.environ.get("HIVE_TEST_EVENTS", "20000"))  # 1000000 shows more, and takes minutes
 
@@ -55,7 +55,7 @@ class Endurance(World):
         self.swarm.resume("source")
         numbers, by, kills, killed = [], {}, 0, time.monotonic()
         while len(numbers) < count:
-            event = results.next(PATIENCE)
+            event = results.next(TIMEOUT)
             self.assertIsNotNone(event, f"no result {len(numbers) + 1} after {kills} kills: {results.counts()}")
             numbers.append(event.sequence)
             by[event.sender] = by.get(event.sender, 0) + 1
@@ -65,7 +65,7 @@ class Endurance(World):
                 victim = self.worker("python", work_ms)
                 kills, killed = kills + 1, time.monotonic()
         self.assertEqual(numbers, list(range(1, count + 1)))
-        self.assertIsNone(results.next(PATIENCE))
+        self.assertIsNone(results.next(TIMEOUT))
         self.assertEqual(results.ended, "")
         self.assertEqual((results.counts()["missing"], results.counts()["failed"]), (0, 0))
         self.assertGreaterEqual(kills, 5)

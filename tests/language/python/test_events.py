@@ -8,7 +8,7 @@ import numpy
 
 import hive
 from hive import _library
-from world import PATIENCE, Embedded
+from world import TIMEOUT, Embedded
 
 
 class Events(Embedded):
@@ -27,14 +27,14 @@ class Events(Embedded):
             self.run_embedded(source)
             self.swarm.connect("source", "worker")
             for sequence in (1, 4, 5):
-                event = results.next(PATIENCE)
+                event = results.next(TIMEOUT)
                 self.assertEqual((event.sequence, event.header["first"]), (sequence, sequence))
                 self.assertEqual((event.source, event.sender, event.kind), ("source", "worker", "worker"))
                 self.assertEqual((event.output, event.type, event.lossless), ("result", "application/json", True))
                 self.assertEqual([hop.drone for hop in event.hops], ["worker"])
                 self.assertEqual((event.size, len(event.body)), (0, 0))
-                self.assertLess(abs(time.time() - event.captured), PATIENCE + 10)
-            first, second = exceptions.next(PATIENCE), exceptions.next(PATIENCE)
+                self.assertLess(abs(time.time() - event.captured), TIMEOUT + 10)
+            first, second = exceptions.next(TIMEOUT), exceptions.next(TIMEOUT)
             self.assertEqual((first.header["code"], first.sequence), ("failed", 2))
             self.assertEqual(first.header["text"], "ValueError: two is not to my taste")
             self.assertEqual((second.header["code"], second.header["text"]), ("unsupported", "three neither"))
@@ -63,7 +63,7 @@ class Events(Embedded):
         drone.on_start(lambda: unwanted.emit(body=lambda: body(0)))
         self.run_embedded(drone)
         events = self.swarm.collect("source.out", window=1)
-        seen = [events.next(PATIENCE) for _ in range(8)]
+        seen = [events.next(TIMEOUT) for _ in range(8)]
         self.assertEqual([(event.header["n"], event.size) for event in seen],
                          [(1, 1), (0, 0), (-1, 4), (2, 2), (0, 0), (-1, 4), (0, 0), (-1, 4)])
         self.assertEqual([seen[0].captured, seen[2].captured], [1.7e9, 1.8e9])
@@ -87,7 +87,7 @@ class Events(Embedded):
         with self.swarm.collect_matched("source", "join") as sets:
             self.swarm.resume("source")
             for number in range(1, 6):
-                event, joined = sets.next(PATIENCE)
+                event, joined = sets.next(TIMEOUT)
                 self.assertEqual(event.header["n"], number)
                 self.assertEqual(joined.header, {"numbers": [number, number], "inputs": ["x", "y"]})
             self.assertGreaterEqual(sets.counts()["sets"]["sets"], 5)
@@ -113,7 +113,7 @@ class Events(Embedded):
             self.assertEqual(results.ended, "3 of 4 frames: the file is damaged")
         self.assertEqual(ends, ["3 of 4 frames: the file is damaged"])
         with self.assertRaises(hive.Error) as caught:
-            list(self.swarm.results("worker", timeout=PATIENCE))
+            list(self.swarm.results("worker", timeout=TIMEOUT))
         self.assertEqual(str(caught.exception), "3 of 4 frames: the file is damaged")
 
     def test_what_a_source_cannot_give_has_its_number(self):
@@ -124,8 +124,8 @@ class Events(Embedded):
 
         self.run_embedded(self.source(emit))
         exceptions, events = self.swarm.exceptions("source"), self.swarm.collect("source")
-        self.assertEqual([events.next(PATIENCE).sequence for _ in range(2)], [1, 3])
-        problem = exceptions.next(PATIENCE)
+        self.assertEqual([events.next(TIMEOUT).sequence for _ in range(2)], [1, 3])
+        problem = exceptions.next(TIMEOUT)
         said = (problem.sequence, problem.header["code"], problem.header["text"])
         self.assertEqual(said, (2, "io", "a damaged file"))
 
@@ -138,9 +138,9 @@ class Events(Embedded):
 
         self.run_embedded(self.source(emit))
         exceptions = self.swarm.exceptions("source")
-        event = self.swarm.collect("source").next(PATIENCE)
+        event = self.swarm.collect("source").next(TIMEOUT)
         self.assertEqual(event.header, {"n": 1, "x": 0.5, "a": [0, 1]})
-        self.assertIn("this cannot travel as JSON: a value of type object", exceptions.next(PATIENCE).header["text"])
+        self.assertIn("this cannot travel as JSON: a value of type object", exceptions.next(TIMEOUT).header["text"])
 
     def test_many_events_leave_no_handle_and_no_memory(self):
         def emit(output, number):
@@ -152,11 +152,11 @@ class Events(Embedded):
         results = self.swarm.collect("worker")
         self.swarm.connect("source", "worker")
         for _ in range(200):
-            results.next(PATIENCE)
+            results.next(TIMEOUT)
         event = None
         before = _library.lib.hive_handle_count()
         for number in range(201, 2001):
-            event = results.next(PATIENCE)
+            event = results.next(TIMEOUT)
             self.assertEqual(event.header, {"n": number, "s": 5000})
         self.assertLessEqual(_library.lib.hive_handle_count(), before + 8)  # what is under way just now
         del event

@@ -7,7 +7,7 @@ import subprocess
 import sys
 import unittest
 
-from world import PATIENCE, PROGRAMS, World
+from world import TIMEOUT, PROGRAMS, World
 
 SOURCE = os.environ["HIVE_SOURCE_DIR"]
 PAGES = ("README.md", "libhive/language/README.md")
@@ -53,7 +53,7 @@ class Examples(World):
         """The drone answers for pictures of the camera, with the mean that they have."""
         with self.swarm.collect_matched("camera.image", name + ".brightness") as sets:
             self.swarm.connect("camera", name)
-            picture, result = sets.next(PATIENCE)
+            picture, result = sets.next(TIMEOUT)
         self.assertAlmostEqual(result.header["mean"], float(picture.image().mean()), places=2)
         self.swarm.set(name, least=255)
         self.refused("refused", self.swarm.set, name, least=256)
@@ -72,7 +72,7 @@ class Examples(World):
                     continue
                 results = self.swarm.collect(name, window=1)
                 self.swarm.connect("camera", name)
-                self.assertEqual(results.next(PATIENCE).image().shape, (240, 320))
+                self.assertEqual(results.next(TIMEOUT).image().shape, (240, 320))
 
     def redact(self, name):
         """A face of the scene is not there any more."""
@@ -81,7 +81,7 @@ class Examples(World):
             self.swarm.connect("camera", [name + ".image", "face"], window=8)
             self.swarm.connect("face.faces", name + ".faces", window=8)
             for _ in range(50):
-                picture, faces, redacted, count = sets.next(PATIENCE)
+                picture, faces, redacted, count = sets.next(TIMEOUT)
                 self.assertEqual(count.header["faces"], len(faces.header["faces"]))
                 same = bool((picture.image() == redacted.image()).all())
                 self.assertEqual(same, not faces.header["faces"])

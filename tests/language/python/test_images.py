@@ -6,7 +6,7 @@ import unittest
 import numpy
 
 import hive
-from world import PATIENCE, Embedded, eventually
+from world import TIMEOUT, Embedded, eventually
 
 
 class Images(Embedded):
@@ -27,7 +27,7 @@ class Images(Embedded):
         collector = self.swarm.collect("source", window=1)
         kept = []
         for number in range(1, 5):
-            event = collector.next(PATIENCE)
+            event = collector.next(TIMEOUT)
             self.assertEqual(event.header["n"], number)
             self.assertEqual(event.header.get("copied", False), number % 2 == 1)
             image = event.image()
@@ -61,7 +61,7 @@ class Images(Embedded):
 
         self.run_embedded(self.source(emit))
         collector = self.swarm.collect("source")
-        shapes = [collector.next(PATIENCE).image().shape for _ in range(4)]
+        shapes = [collector.next(TIMEOUT).image().shape for _ in range(4)]
         self.assertEqual(shapes, [(3, 3), (4, 10), (10, 10), (10, 10)])
         self.assertEqual(sent, [True])
 
@@ -82,7 +82,7 @@ class Images(Embedded):
         self.assertTrue(eventually(lambda: begun))
         results = self.swarm.collect("worker")
         for number in range(1, 4):
-            event = results.next(PATIENCE)
+            event = results.next(TIMEOUT)
             self.assertEqual(event.header["n"], number)
             self.assertTrue(numpy.array_equal(event.image(), picture))
 
@@ -109,7 +109,7 @@ class Images(Embedded):
         collector = self.swarm.collect("source")
         for picture in pictures:
             for _ in range(2):
-                image = collector.next(PATIENCE).image()
+                image = collector.next(TIMEOUT).image()
                 self.assertEqual(image.dtype, picture.dtype.newbyteorder("="))
                 self.assertTrue(numpy.array_equal(image, picture.reshape(image.shape)))
                 with self.assertRaises(ValueError):
@@ -145,7 +145,7 @@ class Images(Embedded):
 
         self.run_embedded(self.source(emit))
         events = self.swarm.collect("source")
-        seen = [events.next(PATIENCE) for _ in shown]
+        seen = [events.next(TIMEOUT) for _ in shown]
         self.assertEqual([event._repr_png_() is not None for event in seen], [True] + [False] * 5)
         self.assertEqual([event._repr_jpeg_() for event in seen], [None] * 6)
         self.assertIn("1 bytes", repr(seen[1]))

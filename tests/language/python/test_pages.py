@@ -15,7 +15,7 @@ import unittest
 
 import hive
 from hive import _library
-from world import PATIENCE, PROGRAMS, World
+from world import TIMEOUT, PROGRAMS, World
 
 SOURCE = os.environ["HIVE_SOURCE_DIR"]
 FOLDER = os.path.join(SOURCE, "libhive/language/python")
@@ -162,7 +162,7 @@ class Pages(World):
         begin = self.swarm.status("ramp")["outputs"][0]["produced"]
         self.swarm.set("ramp", interval=0.2)
         with self.swarm.collect("ramp", window=1) as images:  # one that asks again and again does not make it faster
-            times = [images.next(PATIENCE).captured for _ in range(6)]
+            times = [images.next(TIMEOUT).captured for _ in range(6)]
         self.assertGreater(times[-1] - times[1], 0.6)
         self.assertLess(begin, 100)
 

@@ -13,7 +13,7 @@ import numpy
 
 import hive
 from hive import _library, _images
-from world import PATIENCE, PROGRAMS, World, eventually
+from world import TIMEOUT, PROGRAMS, World, eventually
 
 
 class Programs(World):
@@ -73,7 +73,7 @@ class Programs(World):
             self.swarm.put("thing.in", b"x", "text/plain")
         except hive.Error:
             pass  # it may be gone before it has answered
-        self.assertEqual(thing.wait(PATIENCE), -signal.SIGSEGV)
+        self.assertEqual(thing.wait(TIMEOUT), -signal.SIGSEGV)
         words = [os.path.join(PROGRAMS, "hivectl"), "ps", "--json"]
         shown = subprocess.run(words, capture_output=True, text=True, timeout=60)
         return _library.json.loads(shown.stdout)
@@ -140,7 +140,7 @@ class Programs(World):
         with subprocess.Popen([hivectl, "replace", "thing", "--kind", script], stdout=subprocess.DEVNULL) as replacing:
             self.assertTrue(eventually(lambda: os.path.exists(mark + "-begun")))
             self.swarm.set("thing", work_ms=0)
-            self.assertEqual(replacing.wait(PATIENCE), 0)
+            self.assertEqual(replacing.wait(TIMEOUT), 0)
         self.assertNotEqual(self.swarm.status("thing")["pid"], before)
         self.assertEqual(self.swarm.get("thing"), {"work_ms": 0})
 
@@ -254,10 +254,10 @@ class Programs(World):
         exceptions, results = self.swarm.exceptions("thing"), self.swarm.collect("thing")
         image = {"width": 1, "height": 1, "pixel_format": "gray8"}
         self.swarm.put("thing", b"x", "image/raw", image)
-        text = exceptions.next(PATIENCE).header["text"]
+        text = exceptions.next(TIMEOUT).header["text"]
         self.assertEqual(text, "images need NumPy; install python3-numpy")
         self.swarm.put("thing", b"x", "text/plain", {"index": 3})
-        self.assertEqual(results.next(PATIENCE).header["n"], 3)
+        self.assertEqual(results.next(TIMEOUT).header["n"], 3)
 
     def test_two_drones_in_one_program(self):
         body = """
@@ -275,7 +275,7 @@ class Programs(World):
         self.await_drone("second")
         self.assertEqual(self.swarm.drones(), ["first", "second"])
         process.send_signal(signal.SIGTERM)
-        self.assertEqual(process.wait(PATIENCE), 0)
+        self.assertEqual(process.wait(TIMEOUT), 0)
         self.assertIn("both ended", self.log("first"))
         self.assertEqual(self.swarm.drones(), [])
 
@@ -294,10 +294,10 @@ class Programs(World):
         for number in (signal.SIGTERM, signal.SIGINT):
             process = self.thing()
             process.send_signal(number)
-            self.assertEqual(process.wait(PATIENCE), 0)
+            self.assertEqual(process.wait(TIMEOUT), 0)
         process = self.thing()
         self.swarm.stop("thing")
-        self.assertEqual(process.wait(PATIENCE), 0)
+        self.assertEqual(process.wait(TIMEOUT), 0)
         self.assertEqual(self.log("thing").count("ran to its end"), 3)
 
     def test_a_callback_that_never_returns_does_not_keep_it_alive(self):
@@ -306,18 +306,18 @@ class Programs(World):
         self.assertTrue(eventually(lambda: self.swarm.status("thing").get("busy_for_us", 0) > 0))
         self.assertEqual(self.swarm.describe("thing")["kind"], "thing")
         process.send_signal(signal.SIGINT)
-        self.assertEqual(process.wait(PATIENCE), 0)
+        self.assertEqual(process.wait(TIMEOUT), 0)
         process = self.thing()
         self.swarm.put("thing", b"", header={"spin": True})
         self.assertTrue(eventually(lambda: self.swarm.status("thing").get("busy_for_us", 0) > 0))
         self.swarm.stop("thing")
-        self.assertEqual(process.wait(PATIENCE), 0)
+        self.assertEqual(process.wait(TIMEOUT), 0)
 
     def test_an_exception_halts_when_it_is_told_to_and_the_log_has_the_traceback(self):
         self.thing("thing", "--on-exception", "halt")
         exceptions = self.swarm.exceptions("thing")
         self.swarm.put("thing", b"", header={"raise": True})
-        self.assertEqual(exceptions.next(PATIENCE).header["text"], "KeyError: 'missing'")
+        self.assertEqual(exceptions.next(TIMEOUT).header["text"], "KeyError: 'missing'")
         self.swarm.wait("thing", "halted")
         self.assertIn('raise KeyError("missing")', self.log("thing"))
 
@@ -360,10 +360,10 @@ class Programs(World):
         for kind, text in (("float32", "bgr32f; let its sender scale"), ("uint16", "bgr16; let its sender emit")):
             image = numpy.zeros((40, 60, 3), kind)
             self.swarm.put("background", image.tobytes(), "image/raw", _images.raw_header(image))
-            self.assertIn(text, exceptions.next(PATIENCE).header["text"])
+            self.assertIn(text, exceptions.next(TIMEOUT).header["text"])
         image = numpy.zeros((40, 60, 4), numpy.uint8)
         self.swarm.put("background", image.tobytes(), "image/raw", _images.raw_header(image))
-        self.assertEqual(masks.next(PATIENCE).image().shape, (40, 60))
+        self.assertEqual(masks.next(TIMEOUT).image().shape, (40, 60))
 
     def test_every_drone_says_what_to_do_about_floats(self):
         settings = {"view": ["window=off"], "write": ["file=" + os.path.join(self.home, "out.avi")]}
@@ -375,7 +375,7 @@ class Programs(World):
                 self.drone(kind, kind, *settings.get(kind, []))
                 with self.swarm.exceptions(kind) as exceptions:
                     self.swarm.put(kind, image.tobytes(), "image/raw", _images.raw_header(image))
-                    self.assertIn("bgr32f; let its sender scale", exceptions.next(PATIENCE).header["text"])
+                    self.assertIn("bgr32f; let its sender scale", exceptions.next(TIMEOUT).header["text"])
 
     def test_a_drone_in_python_takes_16_bits_and_alpha_and_says_what_to_do_about_floats(self):
         script = os.path.join(os.environ["HIVE_SOURCE_DIR"], "drones/edges/edges.py")
@@ -386,9 +386,9 @@ class Programs(World):
             image[10:20] = 1 << 15 if kind == "uint16" else 128
             self.swarm.put("edges", image.tobytes(), "image/raw", _images.raw_header(image))
             if kind == "float32":
-                self.assertIn("let its sender scale", exceptions.next(PATIENCE).header["text"])
+                self.assertIn("let its sender scale", exceptions.next(TIMEOUT).header["text"])
             else:
-                self.assertTrue(edges.next(PATIENCE).image().any())
+                self.assertTrue(edges.next(TIMEOUT).image().any())
 
     def test_a_worker_that_is_killed_loses_nothing_of_shared_work(self):
         source = self.drone("ticker", "source", "pace=demand", "count=60", "bytes=5000")
@@ -403,7 +403,7 @@ class Programs(World):
         for number in range(60):
             if number == 20:
                 workers[0].kill()
-            event = results.next(PATIENCE)
+            event = results.next(TIMEOUT)
             self.assertIsNotNone(event, f"no result {number + 1}")
             numbers.append(event.sequence)
         self.assertEqual(numbers, list(range(1, 61)))

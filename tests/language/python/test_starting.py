@@ -16,7 +16,7 @@ import numpy
 
 import hive
 from hive import collector as collecting
-from world import PATIENCE, PROGRAMS, World, eventually
+from world import TIMEOUT, PROGRAMS, World, eventually
 
 
 class Starting(World):
@@ -28,7 +28,7 @@ class Starting(World):
 
     def start(self, kind, *arguments, **more):
         """Stopped at the end of the test."""
-        name = self.swarm.start(kind, *arguments, ready=PATIENCE, **more)
+        name = self.swarm.start(kind, *arguments, ready=TIMEOUT, **more)
         self.addCleanup(self.stop, name)
         return name
 
@@ -93,7 +93,7 @@ class Starting(World):
     def test_arguments_of_a_wrong_type_are_refused_with_one_sentence(self):
         refusals = {
             "a time is a number of seconds, not '3'": lambda: self.swarm.timeout("3"),
-            "a time is a number of seconds, not None": lambda: self.swarm.collect("a", patience=None),
+            "a time is a number of seconds, not None": lambda: self.swarm.collect("a", reorder_timeout=None),
             "a name is a text, not ['a']": lambda: self.swarm.describe(["a"]),
             "on is a text, not 3": lambda: self.swarm.start("face", on=3),
             "count is a whole number, not '3'": lambda: self.swarm.results("a", count="3"),
@@ -173,7 +173,7 @@ class Starting(World):
         for name in ("worker-1", "worker-2"):
             self.drone("sleeper", name)
         self.swarm.connect("source", "worker-*", share=True)
-        results = self.swarm.results(["worker-*"], timeout=PATIENCE, ordered=True)
+        results = self.swarm.results(["worker-*"], timeout=TIMEOUT, ordered=True)
         self.swarm.resume("source")
         self.assertEqual([event.sequence for event in results], list(range(1, 21)))
         self.assertEqual(list(results), [])
@@ -185,12 +185,12 @@ class Starting(World):
         self.swarm.connect("source", "worker")
 
         async def collect():
-            async with hive.Application(timeout=PATIENCE) as swarm:
+            async with hive.Application(timeout=TIMEOUT) as swarm:
                 with self.assertRaises(hive.Error) as late:
                     async for _ in swarm.results("worker", timeout=0.05):
                         self.fail("the source is halted")
                 self.assertEqual(late.exception.code, "timeout")
-                async with swarm.results("worker", timeout=PATIENCE) as results:
+                async with swarm.results("worker", timeout=TIMEOUT) as results:
                     self.swarm.resume("source")
                     numbers = [event.sequence async for event in results]
                 async with swarm.collect("source") as rest:
@@ -198,7 +198,7 @@ class Starting(World):
             self.refused("stopped", swarm.drones)
             return numbers
 
-        self.assertEqual(asyncio.run(asyncio.wait_for(collect(), PATIENCE)), [1, 2, 3, 4, 5, 6])
+        self.assertEqual(asyncio.run(asyncio.wait_for(collect(), TIMEOUT)), [1, 2, 3, 4, 5, 6])
 
     def test_counters_are_attributes(self):
         self.drone("ticker", "source", "pace=demand", "count=5")
@@ -216,7 +216,7 @@ class Starting(World):
         with self.swarm.collect_matched("left", "right") as sets:
             self.swarm.resume("left")
             for number in range(5):
-                self.assertIsNotNone(sets.next(PATIENCE), number)
+                self.assertIsNotNone(sets.next(TIMEOUT), number)
             counters = sets.counters
         self.assertEqual(counters, hive.SetCounts(10, 0, 0, 0, 0, sets=5, waiting=0, unmatched=0))
 

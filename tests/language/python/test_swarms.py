@@ -12,7 +12,7 @@ import threading
 import unittest
 
 import hive
-from world import PATIENCE, PROGRAMS, World, eventually
+from world import TIMEOUT, PROGRAMS, World, eventually
 
 LONG = 60.0  # of a whole swarm, on a machine that does much else
 
@@ -42,7 +42,7 @@ class Swarms(World):
 
     def stop_all(self):
         """By another application: a test may have closed its own."""
-        with hive.Application(timeout=PATIENCE) as others:
+        with hive.Application(timeout=TIMEOUT) as others:
             others.stop(*others.drones())
 
     def locks(self):

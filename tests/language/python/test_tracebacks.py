@@ -9,7 +9,7 @@ import unittest
 import warnings
 
 import hive
-from world import PATIENCE, Embedded
+from world import TIMEOUT, Embedded
 
 PACKAGE = re.compile(r'File "[^"]*hive/[a-z_]+\.py"')
 
@@ -74,7 +74,7 @@ class Tracebacks(Embedded):
         ):
             with self.subTest(kind), self.assertLogs("hive.worker", "ERROR") as logs:
                 self.swarm.put("worker", b"x", kind)
-                self.assertEqual(exceptions.next(PATIENCE).header["text"], text)
+                self.assertEqual(exceptions.next(TIMEOUT).header["text"], text)
                 said = [record.getMessage() for record in logs.records]
                 self.assertEqual("Traceback (most recent call last):" in said, line is not None, said)
                 self.assertEqual(any(each.strip() == line for each in said), line is not None, said)

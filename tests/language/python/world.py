@@ -14,11 +14,11 @@ import unittest
 import hive
 
 PROGRAMS = os.environ["HIVE_TEST_PROGRAMS"]
-PATIENCE = 20.0  # of what only guards against hanging
+TIMEOUT = 20.0  # of what only guards against hanging
 
 
-def eventually(condition, patience=PATIENCE):
-    end = time.monotonic() + patience
+def eventually(condition, timeout=TIMEOUT):
+    end = time.monotonic() + timeout
     while not condition():
         if time.monotonic() > end:
             return False
@@ -83,7 +83,7 @@ class World(unittest.TestCase):
         before = os.environ.get("HIVE_HOME")
         os.environ["HIVE_HOME"] = self.home
         self.addCleanup(lambda: os.environ.__setitem__("HIVE_HOME", before) if before else os.environ.pop("HIVE_HOME"))
-        self.swarm = hive.Application(timeout=PATIENCE)
+        self.swarm = hive.Application(timeout=TIMEOUT)
         self.addCleanup(self.swarm.close)
 
     def process(self, *words, name, wait=True, **more):
@@ -103,7 +103,7 @@ class World(unittest.TestCase):
 
     def await_drone(self, name):
         try:
-            self.swarm.wait(name, timeout=PATIENCE)
+            self.swarm.wait(name, timeout=TIMEOUT)
         except hive.Error as error:
             self.fail(f"{error}: {self.log(name)}")
 
@@ -125,7 +125,7 @@ class World(unittest.TestCase):
 
         def end():
             eventually(lambda: not thread.is_alive() or self._stops(drone))
-            thread.join(PATIENCE)
+            thread.join(TIMEOUT)
             self.assertFalse(thread.is_alive(), "the drone does not end")
 
         thread.start()

@@ -40,7 +40,7 @@ std::uint64_t entropy() { return world().entropy(); }
 ProcessUsage process_usage() { return {}; }
 MachineUsage machine_usage() { return {}; }
 void tell_supervisor(const std::string&) noexcept {}
-std::optional<std::chrono::microseconds> patience_of_supervisor() { return std::nullopt; }
+std::optional<std::chrono::microseconds> supervisor_timeout() { return std::nullopt; }
 
 bool write_private(const std::filesystem::path& file, const std::string& text)
 {

@@ -18,8 +18,8 @@ namespace {
 
 World* the_world = nullptr;
 
-/// How long the network side of a module waits before its own thread runs it (event::Loop::patience).
-constexpr auto patience = 1ms;
+/// How long the network side of a module waits before its own thread runs it (event::Loop::idle_timeout).
+constexpr auto idle_timeout = 1ms;
 
 }  // namespace
 
@@ -208,7 +208,7 @@ void World::spend(Duration time)
 {
     Process& process = *current_;
     process.busy_since = now_;
-    at(now_ + patience, [] {});
+    at(now_ + idle_timeout, [] {});
     sleep(time);  // a process killed meanwhile stays busy forever
     process.busy_since.reset();
 }
@@ -281,7 +281,7 @@ bool World::run_handler()
         NetworkSide& side = *sides_[(first + i) % sides_.size()];
         const Process& process = side.process;
         if (!side.ready || !side.started || process.dead || process.frozen
-            || (process.busy_since && now_ < *process.busy_since + patience))
+            || (process.busy_since && now_ < *process.busy_since + idle_timeout))
             continue;
         current_ = &side.process;
         ++side.turns;

@@ -75,7 +75,7 @@ TEST_CASE(
     CHECK_FALSE(loop.has_turn());
 }
 
-TEST_CASE("loop: what is left alone for longer than the patience is run by the network thread, and the turn comes back")
+TEST_CASE("loop: what is left alone for longer than the timeout is run by the network thread, and the turn comes back")
 {
     Running running;
     for (int i = 0; i < 20; ++i) {
@@ -97,7 +97,7 @@ TEST_CASE("loop: a thread that waits runs the handlers itself, however long it w
     bool begun = false;
     running.loop.wait(in(long_enough), [&] {
         if (!std::exchange(begun, true)) {
-            timer.expires_after(10 * Loop::patience);
+            timer.expires_after(10 * Loop::idle_timeout);
             timer.async_wait([&](std::error_code) { by = self(); });
         }
         return by != std::thread::id();

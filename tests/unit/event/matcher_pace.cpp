@@ -26,7 +26,7 @@ TEST_CASE("matcher: live events wait at most 4 s, at most 128 of them, and at mo
 {
     Case old;
     old.give("image", {1});
-    CHECK(old.matcher.deadline() == start + Matcher::patience);
+    CHECK(old.matcher.deadline() == start + Matcher::timeout);
     old.pass(3999ms);
     CHECK(old.waiting() == 1);
     old.pass(1ms);

@@ -10,10 +10,10 @@ using namespace std::chrono_literals;
 namespace {
 
 void expect(World& world, const std::string& receiver, const std::string& group = "",
-            std::optional<Clock::duration> patience = 30s)
+            std::optional<Clock::duration> timeout = 30s)
 {
     world.table.expect({.output = "image", .receiver = receiver, .group = group},
-                       patience ? std::optional(world.now + *patience) : std::nullopt);
+                       timeout ? std::optional(world.now + *timeout) : std::nullopt);
 }
 
 Newcomer drone(ReceiverId id, const std::string& receiver, const ConnectionOptions& options = window(1))

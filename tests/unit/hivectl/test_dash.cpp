@@ -83,7 +83,7 @@ TEST_CASE("dash: rows have rates of the last second, and losses of the whole acc
     const auto now = snapshot({look(100, 0, 0, 1s), look(130, 1, 0, 2s), look(160, 3, 0, 3s)});
     REQUIRE(now.drones.size() == 2);
     CHECK(now.drones[0].at("out_per_s") == 30.0);
-    CHECK(now.drones[0].at("pictures") == Json{"image"});
+    CHECK(now.drones[0].at("images") == Json{"image"});
     CHECK(now.drones[1].at("state") == "halted");
     REQUIRE(now.edges.size() == 1);
     CHECK(now.edges[0].at("id") == "source.image>worker.image>");

@@ -10,7 +10,7 @@ using hivectl::VideoMode;
 
 namespace {
 
-/// One camera with compressed pictures of two sizes, and raw ones of any size.
+/// One camera with compressed images of two sizes, and raw ones of any size.
 class Driver {
 public:
     unsigned capabilities = V4L2_CAP_VIDEO_CAPTURE | V4L2_CAP_DEVICE_CAPS;
@@ -83,7 +83,7 @@ TEST_CASE("video device: formats, sizes and rates are those that the driver enum
     CHECK(hivectl::rates_text(device->modes[0].rates) == "30 7.5");
 }
 
-TEST_CASE("video device: what takes no pictures is none, though its camera has another that does")
+TEST_CASE("video device: what takes no images is none, though its camera has another that does")
 {
     Driver driver;
     driver.own = V4L2_CAP_META_CAPTURE;

@@ -100,7 +100,7 @@ TEST_CASE("reorder: the first turn may be the slowest")
     CHECK(reorder.missing() == 0);
 }
 
-TEST_CASE("reorder: a missing result holds up those after it until the patience is over, and is named")
+TEST_CASE("reorder: a missing result holds up those after it until the timeout is over, and is named")
 {
     Reorder reorder(30s);
     push(reorder, {1, 3, 4});
@@ -144,9 +144,9 @@ TEST_CASE("reorder: a live turn that is closed and of which no result comes is g
     Reorder reorder(30s);
     push(reorder, {1}, {.lossless = false});
     push(reorder, {3}, {.closed = 2, .lossless = false});
-    reorder.expire(start + Reorder::closed_patience - 1ns);
+    reorder.expire(start + Reorder::closed_timeout - 1ns);
     CHECK(drain(reorder) == Turns{1});
-    reorder.expire(start + Reorder::closed_patience);
+    reorder.expire(start + Reorder::closed_timeout);
     CHECK(drain(reorder) == Turns{3});
     CHECK(reorder.missing_turns().at("camera.image#workers") == Turns{2});
 }
@@ -156,7 +156,7 @@ TEST_CASE("reorder: closed turns that have no result hold up the next one togeth
     Reorder reorder(30s);
     push(reorder, {1}, {.lossless = false});
     push(reorder, {20}, {.closed = 19, .lossless = false});
-    reorder.expire(start + Reorder::closed_patience);
+    reorder.expire(start + Reorder::closed_timeout);
     CHECK(drain(reorder) == Turns{1, 20});
     CHECK(reorder.missing() == 18);
 }
@@ -186,7 +186,7 @@ TEST_CASE("reorder: results of an earlier run stand where their captures are amo
     {
         CHECK(reorder.deadline() == start + 30s);
         reorder.finish(start);
-        reorder.expire(start + Reorder::closed_patience);
+        reorder.expire(start + Reorder::closed_timeout);
         CHECK(sequences(reorder) == Turns{3, 4, 5});
     }
     CHECK(reorder.empty());
@@ -203,7 +203,7 @@ TEST_CASE("reorder: results of an earlier run do not go before those that wait f
     CHECK(sequences(reorder) == Turns{1});
     CHECK(reorder.deadline() == start + 30s);
     reorder.finish(start + 1s);
-    const auto due = start + 1s + Reorder::closed_patience;
+    const auto due = start + 1s + Reorder::closed_timeout;
     CHECK(reorder.deadline() == due);
     reorder.expire(due);
     CHECK(sequences(reorder) == Turns{3, 4, 5, 6});
@@ -306,9 +306,9 @@ TEST_CASE("reorder: who joins in the middle waits for what a worker has in hand,
     push(reorder, {10}, live, start + 29s);
     CHECK(drain(reorder) == Turns{10});
     // Turn 11 was given out before this began to receive, and no worker has it: its result went elsewhere.
-    reorder.expire(start + 29s + Reorder::join_patience - 1ns);
+    reorder.expire(start + 29s + Reorder::join_timeout - 1ns);
     CHECK(drain(reorder).empty());
-    reorder.expire(start + 29s + Reorder::join_patience);
+    reorder.expire(start + 29s + Reorder::join_timeout);
     CHECK(drain(reorder) == Turns{12, 13});
     CHECK(reorder.missing() == 0);
 }
@@ -430,7 +430,7 @@ TEST_CASE("reorder: when nothing more will come, what is missing is waited for a
     CHECK_FALSE(reorder.empty());
     reorder.expire(start + 5s);
     CHECK(drain(reorder).empty());  // an exception may come
-    reorder.expire(start + 5s + Reorder::closed_patience);
+    reorder.expire(start + 5s + Reorder::closed_timeout);
     CHECK(drain(reorder) == Turns{3});
     CHECK(reorder.empty());
     CHECK(reorder.missing() == 0);  // all turns are closed before the end

@@ -89,9 +89,9 @@ double cpu_seconds()
 }
 
 #ifdef HIVE_SANITIZED
-constexpr double patience = 5;  // of a sanitizer
+constexpr double timeout = 5;  // of a sanitizer
 #else
-constexpr double patience = 1;
+constexpr double timeout = 1;
 #endif
 
 struct Outcome {
@@ -124,7 +124,7 @@ TEST_CASE("hostile PNG: texts and profiles are not inflated")
         const auto outcome = decoded(with_chunks(std::vector(100, bomb)));
         CHECK_FALSE(outcome.refusal);
         CHECK(outcome.image.size() == cv::Size(2, 2));
-        CHECK(outcome.seconds < 0.1 * patience);
+        CHECK(outcome.seconds < 0.1 * timeout);
     }
 }
 
@@ -134,7 +134,7 @@ TEST_CASE("hostile PNG: more data than the pixels are is not inflated; fewer are
         const auto head = header(2, 2, {.interlace = interlace});
         const auto outcome = decoded(png(head, {}, media::Bytes(200'000'000, 0)));
         CHECK(outcome.refusal == Errc::malformed);
-        CHECK(outcome.seconds < 0.1 * patience);
+        CHECK(outcome.seconds < 0.1 * timeout);
         const std::size_t bytes = interlace ? 15 : 14;  // three passes of one row each, and two rows
         CHECK_FALSE(decoded(png(head, {}, media::Bytes(bytes, 0))).refusal);
         CHECK(decoded(png(head, {}, media::Bytes(bytes - 1, 0))).refusal == Errc::malformed);
@@ -145,7 +145,7 @@ TEST_CASE("hostile PNG: half a million empty chunks cost nothing")
 {
     const auto outcome = decoded(with_chunks(std::vector(500'000, chunk("teXt", {}))));
     CHECK_FALSE(outcome.refusal);
-    CHECK(outcome.seconds < 0.2 * patience);
+    CHECK(outcome.seconds < 0.2 * timeout);
 }
 
 TEST_CASE("hostile PNG: an unknown critical chunk and invalid types are refused")
@@ -182,7 +182,7 @@ TEST_CASE("hostile PNG: EXIF of megabytes costs little and turns nothing")
     const auto outcome = decoded(png(header(2, 1, {}), {chunk("eXIf", long_one)}, media::Bytes(7, 0)));
     CHECK_FALSE(outcome.refusal);
     CHECK(outcome.image.size() == cv::Size(2, 1));
-    CHECK(outcome.seconds < 0.6 * patience);
+    CHECK(outcome.seconds < 0.6 * timeout);
 }
 
 TEST_CASE("PNG: EXIF turns it as OpenCV does")

@@ -93,7 +93,7 @@ hive_code hive_application_new(const char* options, hive_application** applicati
         made.home = read.text("home");
         made.key = read.text("key");
         made.cancelled = wait_is_cancelled;
-        made.timeout = patience_of(read.integer("timeout_ms", 0, made.timeout.count()));
+        made.timeout = timeout_of(read.integer("timeout_ms", 0, made.timeout.count()));
         *application = give(std::make_shared<ApplicationObject>(std::move(made)));
     });
 }
@@ -110,7 +110,7 @@ hive_code hive_application_name(const hive_application* application, char** name
 
 hive_code hive_application_timeout(hive_application* application, int64_t timeout_ms)
 {
-    return guarded([&] { get<ApplicationObject>(application)->timeout(patience_of(timeout_ms)); });
+    return guarded([&] { get<ApplicationObject>(application)->timeout(timeout_of(timeout_ms)); });
 }
 
 hive_code hive_application_drones(hive_application* application, char** json, size_t* length)
@@ -160,7 +160,7 @@ hive_code hive_application_wait(hive_application* application, const char* drone
         const auto object = get<ApplicationObject>(application);
         const std::string name = text_of(drone, "the drone"), goal = text_of(state, "the state");
         require_goal(goal);
-        const auto end = std::chrono::steady_clock::now() + patience_of(timeout_ms);
+        const auto end = std::chrono::steady_clock::now() + timeout_of(timeout_ms);
         for (;;) {
             const auto left = std::chrono::ceil<std::chrono::milliseconds>(end - std::chrono::steady_clock::now());
             std::string found;

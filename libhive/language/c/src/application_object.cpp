@@ -217,11 +217,11 @@ try {
 
 CollectOptions collect_options(const char* text)
 {
-    const Options given(text, {"connection", "ordered", "patience_ms"});
+    const Options given(text, {"connection", "ordered", "reorder_timeout_ms"});
     CollectOptions options;
     options.connection = connection_of(given.object("connection"), options.connection);
     options.ordered = given.flag("ordered");
-    options.patience = patience_of(given.integer("patience_ms", 0, options.patience.count()));
+    options.reorder_timeout = timeout_of(given.integer("reorder_timeout_ms", 0, options.reorder_timeout.count()));
     return options;
 }
 

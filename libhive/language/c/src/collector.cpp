@@ -46,7 +46,7 @@ std::optional<std::string> ended(const CollectorObject& collector)
 template <class Take>
 auto taken(CollectorObject& collector, int64_t timeout_ms, Take&& take)
 {
-    const auto end = Clock::now() + patience_of(timeout_ms);
+    const auto end = Clock::now() + timeout_of(timeout_ms);
     for (;;) {
         const auto left = std::chrono::ceil<std::chrono::milliseconds>(end - Clock::now());
         decltype(take(std::chrono::milliseconds())) found;
@@ -124,10 +124,10 @@ hive_code hive_collector_next(hive_collector* collector, int64_t timeout_ms, hiv
     return guarded([&] {
         *required(event, "the place for the event") = nullptr;
         const auto object = get<CollectorObject>(collector);
-        auto found = taken(*object, timeout_ms, [&](std::chrono::milliseconds patience) {
+        auto found = taken(*object, timeout_ms, [&](std::chrono::milliseconds timeout) {
             if (!object->events)
                 throw Error(Errc::invalid_argument, "this collector gives sets: hive_collector_next_set()");
-            return object->events->next(patience);
+            return object->events->next(timeout);
         });
         if (found)
             *event = give(std::make_shared<EventObject>(std::move(*found)));
@@ -141,10 +141,10 @@ hive_code hive_collector_next_set(hive_collector* collector, int64_t timeout_ms,
         *required(count, "the place for the count") = 0;
         required(events, "the place for the events");
         const auto object = get<CollectorObject>(collector);
-        auto found = taken(*object, timeout_ms, [&](std::chrono::milliseconds patience) {
+        auto found = taken(*object, timeout_ms, [&](std::chrono::milliseconds timeout) {
             if (!object->sets)
                 throw Error(Errc::invalid_argument, "this collector gives single events: hive_collector_next()");
-            return object->sets->next(patience);
+            return object->sets->next(timeout);
         });
         if (!found)
             return;

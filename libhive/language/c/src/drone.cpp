@@ -292,7 +292,7 @@ hive_code hive_drone_step(hive_drone* drone, int64_t time_ms, bool* goes_on)
     return guarded([&] {
         required(goes_on, "the place for the answer");
         get<DroneObject>(drone)->as_user_thread(
-            [&](EmbeddedDrone& embedded) { *goes_on = embedded.step(patience_of(time_ms)); });
+            [&](EmbeddedDrone& embedded) { *goes_on = embedded.step(timeout_of(time_ms)); });
     });
 }
 

@@ -63,7 +63,7 @@ hive_code hive_application_advise(hive_application* application, const char* dro
             throw Error(Errc::invalid_argument, "goal is \"fps\" or \"latency\"");
         return advise(open, names_of(required(drones, "the drones"), "the drones"),
                       {.goal = goal == token(Goal::latency) ? Goal::latency : Goal::fps,
-                       .time = patience_of(given.integer("time_ms", 1, 2000))});
+                       .time = timeout_of(given.integer("time_ms", 1, 2000))});
     });
 }
 
@@ -101,7 +101,7 @@ hive_code hive_application_rerun(hive_application* application, const char* dron
         get<ApplicationObject>(application)->with([&](Application& open) {
             const auto name = text_of(drone, "the drone");
             const Options given(options, {"kind", "program", "parameters", "under", "limit_ms", "on"});
-            const auto limit = patience_of(given.integer("limit_ms", 0, 30'000));
+            const auto limit = timeout_of(given.integer("limit_ms", 0, 30'000));
             const auto failure = find_failure(open, {.drone = name,
                                                      .number = number,
                                                      .on = given.text("on"),

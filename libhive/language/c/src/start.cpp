@@ -41,7 +41,7 @@ StartOptions start_options(const Options& given)
 {
     StartOptions options;
     options.drone = drone_of(given);
-    options.limit = patience_of(given.integer("ready_ms", 0, options.limit.count()));
+    options.limit = timeout_of(given.integer("ready_ms", 0, options.limit.count()));
     options.cancelled = wait_is_cancelled;
     return options;
 }

@@ -113,7 +113,7 @@ SwarmReading reading_of(const char* text, const char* options)
     for (const auto& [name, value] : variables.items())
         context.variables[name] = value.is_string() ? value.get<std::string>() : to_text(value);
     return given.flag("form_only") ? read_swarm(file, {}, context)
-                                   : check_swarm(file, patience_of(given.integer("timeout_ms", 0, 10'000)), context);
+                                   : check_swarm(file, timeout_of(given.integer("timeout_ms", 0, 10'000)), context);
 }
 
 void require_good(const std::vector<Mistake>& mistakes)
@@ -262,7 +262,7 @@ hive_code hive_swarm_up(hive_swarm* swarm, int64_t timeout_ms, hive_progress_cal
     return with_swarm(swarm, [&](Swarm& open, SwarmObject&) {
         required(json, "the place for the outcome");
         Company company(progress, user);
-        give_json(outcome_json(open.up(patience_of(timeout_ms), company.watch())), json, length);
+        give_json(outcome_json(open.up(timeout_of(timeout_ms), company.watch())), json, length);
     });
 }
 
@@ -272,7 +272,7 @@ hive_code hive_swarm_down(hive_swarm* swarm, int64_t timeout_ms, hive_progress_c
     return with_swarm(swarm, [&](Swarm& open, SwarmObject&) {
         required(json, "the place for the outcome");
         Company company(progress, user);
-        give_json(outcome_json(open.down(patience_of(timeout_ms), company.watch())), json, length);
+        give_json(outcome_json(open.down(timeout_of(timeout_ms), company.watch())), json, length);
     });
 }
 

@@ -130,7 +130,7 @@ void give_text(const std::string& text, char** out, std::size_t* length)
         *length = text.size();
 }
 
-std::chrono::milliseconds patience_of(std::int64_t milliseconds)
+std::chrono::milliseconds timeout_of(std::int64_t milliseconds)
 {
     return std::chrono::milliseconds(std::clamp<std::int64_t>(milliseconds, 0, 24 * 3600 * 1000));
 }

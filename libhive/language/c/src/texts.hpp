@@ -49,6 +49,6 @@ inline void give_json(const Json& value, char** out, std::size_t* length = nullp
 }
 
 /// A timeout of the caller in milliseconds: not negative, at most a day.
-std::chrono::milliseconds patience_of(std::int64_t milliseconds);
+std::chrono::milliseconds timeout_of(std::int64_t milliseconds);
 
 }  // namespace hive::c

@@ -308,7 +308,7 @@ class Application(Finding, Closing):
         self,
         *outputs: Names,
         ordered: bool = False,
-        patience: Seconds = 30.0,
+        reorder_timeout: Seconds = 30.0,
         stream: bool = False,
         notify: bool = False,
         window: int = 64,
@@ -320,10 +320,10 @@ class Application(Finding, Closing):
         A wait of 3 s logs the stall reason to ``logging``, as "hive".
 
         :param ordered: results of each source in capture order, even from several workers
-        :param patience: ordered: how long a missing result delays those after it
+        :param reorder_timeout: ordered: how long a missing result delays those after it
         """
         connection = _connection(stream, notify, None if stream else window, "", first_frame, None, encoding)
-        options = {"connection": connection, "ordered": ordered, "patience_ms": milliseconds(patience)}
+        options = {"connection": connection, "ordered": ordered, "reorder_timeout_ms": milliseconds(reorder_timeout)}
         ends = self._ends(flat(*outputs))
         handle = ask_handle(lib.hive_application_collect, self._handle, as_json(ends), as_json(options))
         return Collector(handle, self._when_silent(ends, notify))

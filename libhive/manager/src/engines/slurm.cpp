@@ -27,8 +27,8 @@ using namespace std::chrono_literals;
 
 constexpr std::size_t steps_at_once = 16;  ///< started and not yet reachable
 constexpr std::size_t step_log_lines = 15;
-constexpr auto patience_of_slurm = 10s;  ///< per command of Slurm
-constexpr auto patience_to_end = 5s;     ///< for steps after a signal
+constexpr auto slurm_timeout = 10s;  ///< per command of Slurm
+constexpr auto exit_timeout = 5s;    ///< for steps after a signal
 
 /// The range of drones' ports on a node, below the system's ephemeral ports. A drone gets the same port each time, so
 /// that one left behind by a killed `up` is found; if another program has the port, it gets the next.
@@ -144,7 +144,7 @@ try {
     if (!address_.empty() || waiting_.empty())
         return true;
     if (!asking_)
-        asking_.emplace(std::vector<std::string>{"scontrol", "-o", "show", "node", node_}, patience_of_slurm);
+        asking_.emplace(std::vector<std::string>{"scontrol", "-o", "show", "node", node_}, slurm_timeout);
     const auto result = asking_->poll();
     if (!result)
         return false;
@@ -227,8 +227,7 @@ Engine::Report SlurmEngine::place_of(const std::string& drone, int port) const
 /// "JOB.STEP" of each, in the current job, or in any job outside of an allocation.
 std::vector<std::string> SlurmEngine::steps_named(const std::vector<std::string>& drones) const
 {
-    const auto listed =
-        run_command({"squeue", "--steps", "--me", "--noheader", "--format=%i %N %j"}, patience_of_slurm);
+    const auto listed = run_command({"squeue", "--steps", "--me", "--noheader", "--format=%i %N %j"}, slurm_timeout);
     if (listed.late || listed.exit_code != 0)
         throw Error(Errc::unreachable, "Slurm does not say which steps run: " + last_line(listed.err),
                     "try it: squeue");
@@ -255,7 +254,7 @@ std::vector<SwarmFailure> SlurmEngine::stop(const std::vector<std::string>& dron
     for (const auto* signal : {"--signal=TERM", "--signal=KILL"})
         if (!ids.empty()) {
             ids.insert(ids.begin(), {"scancel", signal});
-            run_command(ids, patience_of_slurm);
+            run_command(ids, slurm_timeout);
             ids = left_of(ours);
         }
     std::erase_if(steps_, [&](Step& step) {
@@ -274,7 +273,7 @@ std::vector<SwarmFailure> SlurmEngine::stop(const std::vector<std::string>& dron
 /// polled.
 std::vector<std::string> SlurmEngine::left_of(const std::vector<std::string>& drones)
 {
-    const auto until = Clock::now() + patience_to_end;
+    const auto until = Clock::now() + exit_timeout;
     for (auto& step : steps_)
         if (std::ranges::find(drones, step.drone.name) != drones.end())
             step.process.await_end(until);

@@ -26,11 +26,11 @@ try {
 
 }  // namespace
 
-Claim claim(Application& application, const std::string& swarm, std::chrono::milliseconds patience,
+Claim claim(Application& application, const std::string& swarm, std::chrono::milliseconds timeout,
             const SwarmWatch& watch)
 {
     const event::Home directory(application.home());
-    const auto begin = event::Clock::now(), end = begin + std::max<std::chrono::milliseconds>(patience, 1s);
+    const auto begin = event::Clock::now(), end = begin + std::max<std::chrono::milliseconds>(timeout, 1s);
     Claim waiting;
     // A file lock does not signal its release, so it is polled.
     for (bool told = !watch.told;; Inquiry(application).wait(event::Clock::now() + 10ms, {})) {

@@ -16,7 +16,7 @@ using Claim = std::unique_ptr<const event::NameClaim>;  ///< held as long as it 
 /// Waits while another process has it, at least a second, and then reports that: a killed process may leave a child,
 /// forked but not yet running its program, which keeps the claim a little longer. Null if cancelled meanwhile. Throws
 /// Errc::locked.
-Claim claim(Application& application, const std::string& swarm, std::chrono::milliseconds patience,
+Claim claim(Application& application, const std::string& swarm, std::chrono::milliseconds timeout,
             const SwarmWatch& watch);
 /// Null if another process has it or waits for it.
 Claim claim_if_free(const std::filesystem::path& home, const std::string& swarm);

@@ -19,7 +19,7 @@ using namespace std::chrono_literals;
 
 namespace {
 
-constexpr auto patience_of_engines = 2s;  ///< in addition to the drones' time to exit
+constexpr auto engines_timeout = 2s;  ///< in addition to the drones' time to exit
 
 std::vector<std::string> without(const std::vector<StatusAnswer>& all, const std::vector<std::string>& some)
 {
@@ -32,9 +32,9 @@ std::vector<std::string> without(const std::vector<StatusAnswer>& all, const std
 
 }  // namespace
 
-SwarmOutcome Ending::run(std::chrono::milliseconds patience, const SwarmWatch& watch)
+SwarmOutcome Ending::run(std::chrono::milliseconds timeout, const SwarmWatch& watch)
 {
-    const auto end = event::Clock::now() + patience;
+    const auto end = event::Clock::now() + timeout;
     forget_crashed();
     auto left = ask(watch);
     const auto all = left.size();
@@ -129,7 +129,7 @@ void Ending::stop_silent(const std::vector<Answer>& silent, event::Clock::time_p
         engine->adopt({drone});
         by_engine[engine.get()].push_back(drone);
     }
-    for (auto& failure : stop_all(by_engine, std::max(end, event::Clock::now()) + patience_of_engines)) {
+    for (auto& failure : stop_all(by_engine, std::max(end, event::Clock::now()) + engines_timeout)) {
         left.insert(failure.drone);
         outcome_.failures.push_back(std::move(failure));
     }

@@ -15,8 +15,8 @@ class Ending {
 public:
     Ending(Application& application, const SwarmPlan& plan) : application_(application), plan_(plan) {}
 
-    /// @param patience  maximum wait for events in flight
-    SwarmOutcome run(std::chrono::milliseconds patience, const SwarmWatch& watch);
+    /// @param timeout  maximum wait for events in flight
+    SwarmOutcome run(std::chrono::milliseconds timeout, const SwarmWatch& watch);
 
 private:
     void forget_crashed();

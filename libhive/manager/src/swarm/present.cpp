@@ -29,8 +29,8 @@ bool meets(const Endpoint& one, const Endpoint& other)
 /// A drone has its name shortly before it is reachable.
 Present::Present(Application& application, const std::vector<std::string>& drones)
 {
-    constexpr auto patience_for_sockets = std::chrono::seconds(5);
-    const auto end = event::Clock::now() + patience_for_sockets;
+    constexpr auto sockets_timeout = std::chrono::seconds(5);
+    const auto end = event::Clock::now() + sockets_timeout;
     for (auto asked = drones; !asked.empty();) {
         std::vector<std::string> begun;
         for (auto& answer : application.status(asked))

@@ -18,14 +18,14 @@ Restarting::Restarting(Application& application, const Differences& differences)
     std::ranges::transform(differences.ran.drones, std::back_inserter(drones_), &SwarmDrone::name);
 }
 
-std::vector<SwarmFailure> Restarting::run(std::chrono::milliseconds patience, const SwarmWatch& watch)
+std::vector<SwarmFailure> Restarting::run(std::chrono::milliseconds timeout, const SwarmWatch& watch)
 {
     if (drones_.empty())
         return {};
     begun_ = true;
     auto failures = failures_in(application_.stop(drones_));
     if (failures.empty())
-        failures = now_.run(drones_, patience, watch);
+        failures = now_.run(drones_, timeout, watch);
     return failures.empty() ? connect(differences_.kept) : failures;
 }
 

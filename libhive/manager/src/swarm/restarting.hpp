@@ -12,7 +12,7 @@ public:
     Restarting(Application& application, const Differences& differences);
 
     /// Stops them, starts them as planned, and restores the connections that ended with them.
-    std::vector<SwarmFailure> run(std::chrono::milliseconds patience, const SwarmWatch& watch);
+    std::vector<SwarmFailure> run(std::chrono::milliseconds timeout, const SwarmWatch& watch);
     /// Restores them as they were. Returns what cannot be undone.
     std::vector<SwarmFailure> undo();
 

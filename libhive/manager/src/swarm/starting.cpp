@@ -18,7 +18,7 @@ namespace {
 
 /// A released lock or a taken name is not signalled, so it is polled.
 constexpr auto look_every = 10ms;
-constexpr auto patience_for_answer = 2s;
+constexpr auto answer_timeout = 2s;
 
 }  // namespace
 
@@ -27,10 +27,10 @@ Starting::Starting(Application& application, const SwarmPlan& plan)
 {
 }
 
-std::vector<SwarmFailure> Starting::run(const std::vector<std::string>& drones, std::chrono::milliseconds patience,
+std::vector<SwarmFailure> Starting::run(const std::vector<std::string>& drones, std::chrono::milliseconds timeout,
                                         const SwarmWatch& watch)
 {
-    begin(drones, patience);
+    begin(drones, timeout);
     std::vector<SwarmFailure> failures;
     while (!waiting_.empty() && failures.empty()) {
         failures = poll(watch);
@@ -104,9 +104,9 @@ Engine& Starting::engine_of(const SwarmDrone& drone)
     return *engine;
 }
 
-void Starting::begin(const std::vector<std::string>& drones, std::chrono::milliseconds patience)
+void Starting::begin(const std::vector<std::string>& drones, std::chrono::milliseconds timeout)
 {
-    end_ = event::Clock::now() + patience;
+    end_ = event::Clock::now() + timeout;
     std::map<Engine*, std::vector<SwarmDrone>> by_engine;
     for (const auto& name : drones)
         by_engine[&engine_of(*plan_.drone(name))].push_back(as_started(plan_, *plan_.drone(name)));
@@ -138,7 +138,7 @@ void Starting::hear_engines()
 
 void Starting::look_who_is_ready(const SwarmWatch& watch)
 {
-    inquiry_.ask({placed_.begin(), placed_.end()}, patience_for_answer);
+    inquiry_.ask({placed_.begin(), placed_.end()}, answer_timeout);
     for (const auto& answer : inquiry_.take())
         if (placed_.contains(answer.drone))
             try {

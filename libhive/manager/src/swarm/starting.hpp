@@ -21,14 +21,14 @@ public:
     Starting(Application& application, const SwarmPlan& plan);
 
     /// Queues these drones; poll() starts them.
-    void begin(const std::vector<std::string>& drones, std::chrono::milliseconds patience);
+    void begin(const std::vector<std::string>& drones, std::chrono::milliseconds timeout);
     /// Does not block. Returns failures since the last call, in time or late.
     std::vector<SwarmFailure> poll(const SwarmWatch& watch = {});
     /// Those that are neither ready nor failed.
     [[nodiscard]] const std::set<std::string>& waiting() const noexcept { return waiting_; }
 
     /// Returns when all are ready, or at the first failure.
-    std::vector<SwarmFailure> run(const std::vector<std::string>& drones, std::chrono::milliseconds patience,
+    std::vector<SwarmFailure> run(const std::vector<std::string>& drones, std::chrono::milliseconds timeout,
                                   const SwarmWatch& watch);
     /// Stops the drones that were started, at most 2 s after their deadline to be ready. Returns those that cannot be
     /// stopped.

@@ -20,14 +20,14 @@ namespace hive::event {
 
 /// Links, outlets, intakes and timers are handlers of one io_context, run by the thread that has the **turn**. An idle
 /// thread takes the turn and waits in the io_context itself, so that an arriving packet wakes the thread that will
-/// process it. Releasing the turn wakes no thread; if none takes it within `patience`, the network thread takes it and
-/// keeps it until another thread needs it.
+/// process it. Releasing the turn wakes no thread; if none takes it within `idle_timeout`, the network thread takes it
+/// and keeps it until another thread needs it.
 class Loop {
 public:
     using Task = std::function<void()>;
     /// How long the network side may be idle. Shorter callbacks cost no thread switch; during longer ones the network
     /// thread takes over.
-    static constexpr std::chrono::milliseconds patience{1};
+    static constexpr std::chrono::milliseconds idle_timeout{1};
 
     Loop();
     ~Loop();

@@ -19,7 +19,7 @@ public:
     using Set = std::vector<Event>;  ///< one event of each input, in their order
 
     /// How long a live event waits, and how long a silent input delays the source of lossless ones.
-    static constexpr std::chrono::seconds patience{4};
+    static constexpr std::chrono::seconds timeout{4};
     /// Lossless events that wait at one input without delaying their source, so that a drone that skips one stops
     /// nothing, and the drones on the way work at the same time.
     static constexpr int most_ahead = 4;

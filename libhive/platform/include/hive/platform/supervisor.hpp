@@ -10,6 +10,6 @@ namespace hive::platform {
 /// "READY=1", "STATUS=waits for a camera", "WATCHDOG=1": see sd_notify(3). Does nothing without $NOTIFY_SOCKET.
 void tell_supervisor(const std::string& news) noexcept;
 /// How long the supervisor waits for the next "WATCHDOG=1" before it kills this process; nothing: forever.
-[[nodiscard]] std::optional<std::chrono::microseconds> patience_of_supervisor();
+[[nodiscard]] std::optional<std::chrono::microseconds> supervisor_timeout();
 
 }  // namespace hive::platform

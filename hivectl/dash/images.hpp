@@ -18,7 +18,7 @@
 
 namespace hivectl::dash {
 
-class Pictures {
+class Images {
 public:
     using Time = std::chrono::steady_clock::time_point;
     static constexpr std::size_t max_outputs = 64;
@@ -31,10 +31,10 @@ public:
     };
 
     /// @param ready  called on its threads for a new image or a problem
-    Pictures(std::filesystem::path home, std::function<void()> ready);
-    ~Pictures();
-    Pictures(const Pictures&) = delete;
-    Pictures& operator=(const Pictures&) = delete;
+    Images(std::filesystem::path home, std::function<void()> ready);
+    ~Images();
+    Images(const Images&) = delete;
+    Images& operator=(const Images&) = delete;
 
     /// The newest image of an output for a box of this width. Pages call it repeatedly; some seconds after the last
     /// call the output is no longer received. Never blocks.

@@ -1,6 +1,6 @@
 // Requests a frame of a live source only when a page needs one, so a slow page gets the newest and costs less. A source
 // on demand waits for its receivers, so there every frame is received at once.
-#include "pictures.hpp"
+#include "images.hpp"
 
 #include "own_name.hpp"
 #include "run/silence.hpp"
@@ -17,7 +17,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto unwatched_after = 4s, silence = 3s;
-constexpr auto patience = 250ms;
+constexpr auto timeout = 250ms;
 
 /// Larger than all versions from before a pause in receiving the output.
 std::uint64_t first_version()
@@ -29,7 +29,7 @@ std::uint64_t first_version()
 }  // namespace
 
 /// One output, on its own thread: a drone that does not answer delays no other image.
-class Pictures::Source {
+class Images::Source {
 public:
     Source(std::filesystem::path home, std::string output, std::function<void()> ready, Time now)
         : home_(std::move(home)), output_(std::move(output)), ready_(std::move(ready)), looked_(now)
@@ -87,12 +87,12 @@ private:
     std::thread thread_;
 };
 
-bool Pictures::Source::looked_at() const
+bool Images::Source::looked_at() const
 {
     return !ending_ && std::chrono::steady_clock::now() - looked_ < unwatched_after;
 }
 
-void Pictures::Source::report(const std::string& problem)
+void Images::Source::report(const std::string& problem)
 {
     {
         const std::lock_guard lock(mutex_);
@@ -101,7 +101,7 @@ void Pictures::Source::report(const std::string& problem)
     ready_();
 }
 
-void Pictures::Source::run()
+void Images::Source::run()
 {
     while (is_looked_at())
         try {
@@ -115,15 +115,15 @@ void Pictures::Source::run()
 }
 
 /// False: no page shows it any more.
-bool Pictures::Source::wait_until_wanted()
+bool Images::Source::wait_until_wanted()
 {
     std::unique_lock lock(mutex_);
     while (looked_at() && !wanted_)
-        wake_.wait_for(lock, patience);
+        wake_.wait_for(lock, timeout);
     return looked_at();
 }
 
-void Pictures::Source::receive()
+void Images::Source::receive()
 {
     hive::Application application(
         {.name = own_name(), .home = home_, .timeout = 2s, .cancelled = [this] { return !is_looked_at(); }});
@@ -138,7 +138,7 @@ void Pictures::Source::receive()
     std::optional<hive::Event> held;  // while it is held, the sender keeps only its newest event for us
     for (bool lossless = false; lossless ? is_looked_at() : wait_until_wanted();) {
         held.reset();
-        auto next = collector->next(patience);
+        auto next = collector->next(timeout);
         const auto now = std::chrono::steady_clock::now();
         if (!next && now - last > silence)
             report(silence_reason(application, {output}));
@@ -156,7 +156,7 @@ void Pictures::Source::receive()
 }
 
 /// Encodes it for each width, without the lock.
-void Pictures::Source::show(const hive::Event& event)
+void Images::Source::show(const hive::Event& event)
 {
     std::set<int> widths;
     {
@@ -181,17 +181,17 @@ void Pictures::Source::show(const hive::Event& event)
     ready_();
 }
 
-Pictures::Pictures(std::filesystem::path home, std::function<void()> ready)
+Images::Images(std::filesystem::path home, std::function<void()> ready)
     : home_(std::move(home)), ready_(std::move(ready))
 {
 }
-Pictures::~Pictures()
+Images::~Images()
 {
     for (const auto& [output, source] : sources_)  // stop all before joining any
         source->end();
 }
 
-Pictures::Newest Pictures::newest(const std::string& output, int width, std::uint64_t after, Time now)
+Images::Newest Images::newest(const std::string& output, int width, std::uint64_t after, Time now)
 {
     std::erase_if(sources_, [](const auto& row) { return row.second->ended(); });
     auto found = sources_.find(output);

@@ -1,6 +1,6 @@
-// A picture of a declared type, as it is and with the check sums of a PNG put right: it is decoded within the limits,
+// An image of a declared type, as it is and with the check sums of a PNG put right: it is decoded within the limits,
 // or refused with one of three errors, and its size is known without decoding it. Input: one byte for the type, then
-// the picture.
+// the image.
 #include "require.hpp"
 
 #include <hive/error.hpp>
@@ -20,7 +20,7 @@ using Bytes = std::vector<unsigned char>;
 
 constexpr vision::DecodeLimits limits{.pixels = 100'000, .scans = 20, .pixel_scans = 400'000, .sixteen_bits = true};
 
-/// Nothing when the picture is refused.
+/// Nothing when the image is refused.
 template <class Work>
 auto unless_refused(Work work) -> decltype(work())
 {
@@ -29,7 +29,7 @@ auto unless_refused(Work work) -> decltype(work())
     } catch (const hive::Error& error) {
         using enum hive::Errc;
         require(error.code() == malformed || error.code() == too_large || error.code() == unsupported,
-                "a picture is refused for what it is");
+                "an image is refused for what it is");
         require(!hive::to_text(hive::Json(error.what())).empty(), "a refusal can be printed");
         return {};
     }
@@ -40,11 +40,11 @@ void decode(const Bytes& bytes, const std::string& type)
     const hive::Body body(bytes);
     const auto size = unless_refused([&] { return vision::size_of(body, type, limits); });
     require(std::int64_t{size.width} * size.height <= limits.pixels, "a size is within the limit");
-    const auto picture = unless_refused([&] { return vision::decode(body, type, limits); });
-    if (picture.empty())
+    const auto image = unless_refused([&] { return vision::decode(body, type, limits); });
+    if (image.empty())
         return;
-    require(picture.size().area() == size.area(), "the size is known before");
-    cv::sum(picture);  // all of it can be read
+    require(image.size().area() == size.area(), "the size is known before");
+    cv::sum(image);  // all of it can be read
 }
 
 std::size_t number_at(const Bytes& bytes, std::size_t at)
@@ -75,12 +75,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
 {
     if (size == 0)
         return 0;
-    const Bytes picture(bytes + 1, bytes + size);
+    const Bytes image(bytes + 1, bytes + size);
     if (bytes[0] % 2 == 0) {
-        decode(picture, "image/jpeg");
+        decode(image, "image/jpeg");
         return 0;
     }
-    decode(picture, "image/png");
-    decode(with_right_sums(picture), "image/png");
+    decode(image, "image/png");
+    decode(with_right_sums(image), "image/png");
     return 0;
 }

@@ -1,4 +1,4 @@
-// Pictures that are bombs, cut short or damaged, put to the face drone: an exception, soon, and never a result.
+// Images that are bombs, cut short or damaged, put to the face drone: an exception, soon, and never a result.
 #include "prey.hpp"
 
 #include <doctest/doctest.h>
@@ -15,11 +15,11 @@ namespace {
 
 std::string jpeg(cv::Size size, bool progressive = false)
 {
-    cv::Mat picture(size, CV_8UC3);
-    cv::randu(picture, 0, 255);
-    cv::blur(picture, picture, {9, 9});
+    cv::Mat image(size, CV_8UC3);
+    cv::randu(image, 0, 255);
+    cv::blur(image, image, {9, 9});
     std::vector<unsigned char> bytes;
-    cv::imencode(".jpg", picture, bytes, {cv::IMWRITE_JPEG_PROGRESSIVE, progressive});
+    cv::imencode(".jpg", image, bytes, {cv::IMWRITE_JPEG_PROGRESSIVE, progressive});
     return {bytes.begin(), bytes.end()};
 }
 
@@ -59,7 +59,7 @@ std::string file(const std::filesystem::path& path)
     return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-/// Puts pictures to a face drone and takes what comes of them.
+/// Puts images to a face drone and takes what comes of them.
 class Sitting {
 public:
     Sitting()
@@ -74,7 +74,7 @@ public:
         listen("exceptions", 3);
     }
 
-    /// "annotated", or the code of the exception that the picture gave.
+    /// "annotated", or the code of the exception that the image gave.
     std::string result_of(const std::string& type, const std::string& body, const Json& header = Json::object())
     {
         const Json fields{{"id", ++id_}, {"input", "image"}, {"type", type}, {"header", header}};
@@ -101,7 +101,7 @@ private:
 
 }  // namespace
 
-TEST_CASE("hostile picture: bombs are refused as too large within 200 ms, at no memory")
+TEST_CASE("hostile image: bombs are refused as too large within 200 ms, at no memory")
 {
     Sitting sitting;
     const std::string plain = jpeg({64, 64}), progressive = jpeg({320, 240}, true);
@@ -134,7 +134,7 @@ TEST_CASE("hostile picture: bombs are refused as too large within 200 ms, at no 
     CHECK(sitting.prey.well());
 }
 
-TEST_CASE("hostile picture: a JPEG cut anywhere is malformed and never gives an annotated picture; whole it does")
+TEST_CASE("hostile image: a JPEG cut anywhere is malformed and never gives an annotated image; whole it does")
 {
     Sitting sitting;
     for (const bool progressive : {false, true}) {
@@ -146,13 +146,13 @@ TEST_CASE("hostile picture: a JPEG cut anywhere is malformed and never gives an 
         }
         std::string half = whole.substr(0, whole.size() * 3 / 4) + "\xFF\xD9";
         CHECK_FALSE(cv::imdecode(std::vector<unsigned char>(half.begin(), half.end()), cv::IMREAD_COLOR)
-                        .empty());  // the twin: OpenCV alone takes three quarters for a picture
+                        .empty());  // the twin: OpenCV alone takes three quarters for an image
         CHECK(sitting.result_of("image/jpeg", whole) == "annotated");
     }
     CHECK(sitting.prey.well());
 }
 
-TEST_CASE("hostile picture: a raw picture whose header does not fit its body is malformed")
+TEST_CASE("hostile image: a raw image whose header does not fit its body is malformed")
 {
     Sitting sitting;
     const std::string body(64 * 48 * 3, 'p');
