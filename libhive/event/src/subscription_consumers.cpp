@@ -158,14 +158,15 @@ void Subscription::cancel(Decisions& decisions)
         give_up(false, decisions);
 }
 
-/// A job that a lost consumer may have answered is not reported as failed, or it would have two answers.
+/// A job that a lost consumer may have answered is not reported as failed, or it would have two answers; nor is one that
+/// a retired consumer still works on: it acknowledges the job, or returns it when it leaves.
 void Subscription::give_up(bool also_in_doubt, Decisions& decisions)
 {
     if (!shared())
         return clear(Fate::lost_left);
     for (auto it = open_.begin(); it != open_.end();) {
         const auto& [number, job] = *it++;
-        if (also_in_doubt || !job.in_doubt)
+        if (also_in_doubt || (!job.in_doubt && job.holders == 0))
             abandon(number, decisions);
     }
     while (!fresh_.empty()) {

@@ -112,6 +112,22 @@ TEST_CASE("shared: what the last member returned waits until it has acknowledged
     CHECK(workers.subscription.why() == Reason::group_awaited);
 }
 
+TEST_CASE("shared: an event is not given up while a member that leaves still works on it")
+{
+    Workers workers(1, sharing(2));
+    workers.offer(1);
+    workers.subscription.retire(1);
+    workers.join(2);  // the same drone with other options
+    workers.offer(2);
+    workers.leave(2);
+    CHECK(workers.failed == Sequences{2});
+    workers.done(1, 1, 2);
+    CHECK(workers.went(Fate::acknowledged) == 1);
+    workers.leave(1);
+    CHECK(workers.failed == Sequences{2});
+    CHECK(workers.all_balanced());
+}
+
 TEST_CASE("shared: what was taken back goes out before newer events, in its order")
 {
     Workers workers(2, sharing(2));
