@@ -86,6 +86,24 @@ private:
     ::_exit(127);
 }
 
+/// @param watch  the pidfd; -1 under valgrind, which does not know pidfd_open: then it looks every 10 ms
+bool exits_within(pid_t pid, int watch, Milliseconds timeout)
+{
+    pollfd ended{watch, POLLIN, 0};
+    const auto end = Clock::now() + timeout;
+    for (auto left = timeout;; left = std::chrono::duration_cast<Milliseconds>(end - Clock::now())) {
+        const auto step = std::max(Milliseconds(0), watch >= 0 ? left : std::min(left, Milliseconds(10)));
+        if (::poll(&ended, 1, static_cast<int>(step.count())) > 0)
+            return true;
+        siginfo_t exited{};
+        if (watch < 0 && ::waitid(P_PID, static_cast<id_t>(pid), &exited, WEXITED | WNOHANG | WNOWAIT) == 0
+            && exited.si_pid == pid)
+            return true;
+        if (Clock::now() >= end)
+            return false;
+    }
+}
+
 }  // namespace
 
 Process::Process(const std::vector<std::string>& words, const std::vector<std::string>& environment,
@@ -143,12 +161,7 @@ std::optional<int> Process::wait(Milliseconds timeout)
 {
     if (pid_ <= 0 || exit_code_)
         return exit_code_;
-    pollfd ended{watch_, POLLIN, 0};
-    const auto end = Clock::now() + timeout;
-    int count = 0;
-    for (auto left = timeout; (count = ::poll(&ended, 1, static_cast<int>(left.count()))) < 0 && errno == EINTR;)
-        left = std::max(Milliseconds(0), std::chrono::duration_cast<Milliseconds>(end - Clock::now()));
-    if (count <= 0)
+    if (!exits_within(pid_, watch_, timeout))
         return std::nullopt;
     // It has exited, but if it was killed while its leak check held it by ptrace, waitpid returns it a little later.
     int status = 0, reaped = 0;
