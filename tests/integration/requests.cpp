@@ -3,6 +3,8 @@
 
 #include <doctest/doctest.h>
 
+#include <optional>
+
 using namespace hostile;
 
 namespace {
@@ -19,6 +21,52 @@ std::string connect_packet(int id, Json fields)
 {
     fields["id"] = id;
     return raw::packet(raw::connect, 0, fields.dump());
+}
+
+/// A sender that confirms only the registrations that a test chooses.
+class Ticker {
+public:
+    explicit Ticker(const Prey& prey) : listener_(prey.swarm().home() / "ticker.sock") {}
+
+    /// The receiver's next connection; the one before ends.
+    void meet()
+    {
+        peer_.reset();
+        auto peer = listener_.accept(within(3000));
+        REQUIRE(peer);
+        peer->send(raw::hello_packet("ticker", "ticker"));
+        REQUIRE(peer->next_of(raw::hello, within(1000)));
+        peer_.emplace(std::move(*peer));
+    }
+    void skip(int registrations)
+    {
+        for (int i = 0; i < registrations; ++i)
+            REQUIRE(peer_->next_of(raw::register_, within(1000)));
+    }
+    /// The next registration.
+    void confirm(int window)
+    {
+        const auto registration = peer_->next_of(raw::register_, within(1000));
+        REQUIRE(registration);
+        CHECK(registration->json().at("options").value("window", 1) == window);
+        const Json result{{"type", "*/*"}, {"kind", "ticker"}, {"epoch", 1}};
+        peer_->send(
+            raw::packet(raw::confirmation, 0, Json{{"id", registration->json().at("id")}, {"result", result}}.dump()));
+    }
+
+private:
+    raw::Listener listener_;
+    std::optional<raw::Peer> peer_;
+};
+
+/// The error of each request, by its id.
+Json answers(raw::Peer& peer, int count)
+{
+    Json all;
+    for (int i = 0; i < count; ++i)
+        if (const auto answer = peer.next_of(raw::confirmation, within(3000)))
+            all[answer->json().at("id").dump()] = raw::error_of(answer->json());
+    return all;
 }
 
 }  // namespace
@@ -92,6 +140,44 @@ TEST_CASE("request: a connect that still waits is answered when a later one of t
         CHECK(raw::error_of(answer->json()) == error);
     }
     CHECK(peer.ask(raw::status).at("result").at("inputs") == Json::array());
+}
+
+TEST_CASE(
+    "request: each connect that wanted the options which hold in the end succeeds, whichever the sender confirmed")
+{
+    const Prey prey("sleeper");
+    Ticker ticker(prey);
+    auto peer = prey.meet();
+    REQUIRE(peer.send(connect_packet(1, from_ticker())));
+    ticker.meet();
+    ticker.confirm(1);
+    CHECK_EQ(answers(peer, 1), Json{{"1", ""}});
+    SUBCASE("two equal ones share a registration")
+    {
+        REQUIRE(peer.send(connect_packet(2, from_ticker({}, 3)) + connect_packet(3, from_ticker({}, 3))));
+        ticker.confirm(3);
+        CHECK_EQ(answers(peer, 2), Json{{"2", ""}, {"3", ""}});
+    }
+    SUBCASE("another one comes between them")
+    {
+        REQUIRE(peer.send(connect_packet(2, from_ticker({}, 3)) + connect_packet(3, from_ticker({}, 4))
+                          + connect_packet(4, from_ticker({}, 3))));
+        ticker.skip(2);
+        ticker.confirm(3);
+        CHECK_EQ(answers(peer, 3), Json{{"2", ""}, {"3", "stopped"}, {"4", ""}});
+    }
+    SUBCASE("the sender is lost before it confirms, and returns")
+    {
+        REQUIRE(peer.send(connect_packet(2, from_ticker({}, 3)) + connect_packet(3, from_ticker({}, 3))));
+        ticker.skip(1);
+        ticker.meet();
+        ticker.confirm(3);
+        CHECK_EQ(answers(peer, 2), Json{{"2", ""}, {"3", ""}});
+    }
+    const Json inputs = peer.ask(raw::status).at("result").at("inputs");
+    REQUIRE(inputs.size() == 1);
+    CHECK(inputs[0].value("connected", false));
+    CHECK(inputs[0].value("options", inputs[0]).at("window") == 3);
 }
 
 TEST_CASE("request: the result of a connect is what the sender answered")

@@ -18,30 +18,18 @@ using mixtures::Verb;
 
 namespace {
 
-/// The connection over which a receiver registers.
-bool is_cut(const std::optional<Error>& error) { return error && error->code() == Errc::connection_lost; }
+bool is_cut(const ConnectAnswer& answer) { return answer.error && answer.error->code() == Errc::connection_lost; }
 
 }  // namespace
 
-/// Once more when it is cut, as the list below.
 void SimulatedGround::connect(const Edge& edge)
 {
-    const auto connect = [&] {
-        calls_.keep("connect", [&] {
-            application_->connect({edge.sender, Topology::output_of(edge.sender)}, {edge.receiver, "image"},
-                                  edge.options);
-        });
-    };
-    try {
-        connect();
-    } catch (const Error& error) {
-        if (!is_cut(error))
-            throw;
-        world_.sleep(100ms);
-        connect();
-    }
+    calls_.keep("connect", [&] {
+        application_->connect({edge.sender, Topology::output_of(edge.sender)}, {edge.receiver, "image"}, edge.options);
+    });
 }
 
+/// Once more when one is cut.
 std::vector<ConnectAnswer> SimulatedGround::connect(const std::vector<SwarmConnection>& connections,
                                                     std::chrono::milliseconds timeout)
 {
@@ -50,7 +38,7 @@ std::vector<ConnectAnswer> SimulatedGround::connect(const std::vector<SwarmConne
     auto& calls = timeout < short_timeout ? impatient_calls_ : calls_;
     const auto connect = [&] { return calls.keep("connect all", [&] { return application.connect(connections); }); };
     const auto answers = connect();
-    if (std::ranges::none_of(answers, [](const ConnectAnswer& answer) { return is_cut(answer.error); }))
+    if (std::ranges::none_of(answers, is_cut))
         return answers;
     world_.sleep(100ms);
     return connect();

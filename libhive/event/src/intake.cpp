@@ -54,6 +54,7 @@ void Intake::start(OnOutcome first, Clock::time_point until)
 {
     first_ = std::move(first);
     first_until_ = until;
+    unanswered_ = 0;
     attempt();
 }
 
@@ -66,14 +67,18 @@ void Intake::await(OnOutcome another, Clock::time_point until)
     };
 }
 
-void Intake::change(const ConnectionOptions& options, OnOutcome on_outcome)
+void Intake::answer(const Outcome& outcome)
+{
+    if (const auto first = std::exchange(first_, {}))
+        first(outcome);
+}
+
+void Intake::change(const ConnectionOptions& options, OnOutcome first, Clock::time_point until)
 {
     before_ = std::exchange(spec_.options, options);
-    first_ = std::move(on_outcome);
-    first_until_ = {};
     disconnected();
-    link_->release_channel(channel_);  // events in transit there are sent again
-    register_on(link_, Clock::now() + dial_timeout);
+    release_link();  // events in transit there are sent again
+    start(std::move(first), until);
 }
 
 /// TCP retransmits packets that were sent without network only after one second, and then after two more; a new dial is
@@ -192,8 +197,7 @@ void Intake::confirmed(const LinkPtr& link, const Json& result, std::int64_t hel
     backoff_.reset();
     quick_backoff_.reset();
     lost_.reset();
-    if (const auto first = std::exchange(first_, {}))
-        first(result);
+    answer(result);
     flush();
     keep_time();
 }
@@ -214,11 +218,11 @@ void Intake::keep_time()
 void Intake::failed(const Error& error)
 {
     problem_ = error;
-    if (before_)
-        spec_.options = *std::exchange(before_, std::nullopt);
-    if (refusal() || ++unanswered_ == most_first_attempts || Clock::now() + dial_timeout >= first_until_)
-        if (const auto first = std::exchange(first_, {}))
-            first(error);
+    if (refusal() || ++unanswered_ == most_first_attempts || Clock::now() + dial_timeout >= first_until_) {
+        if (before_)
+            spec_.options = *std::exchange(before_, std::nullopt);
+        answer(error);
+    }
     if (!stopped())
         retry();
     changed();
@@ -239,8 +243,7 @@ void Intake::stop(std::function<void()> left)
     stage_ = std::max(stage_, Stage::draining);
     timer_.cancel();
     on_left_ = std::move(left);
-    if (const auto first = std::exchange(first_, {}))
-        first(Error(Errc::stopped, spec_.receiver + ": this connection was replaced or ended before it was made"));
+    answer(Error(Errc::stopped, spec_.receiver + ": this connection was replaced or ended before it was made"));
     module_.look_at_ends();  // it will not answer any more
     if (connected_ && !progress_.empty()) {
         timer_.run_after(leave_timeout, [weak = weak_from_this()] {
@@ -255,8 +258,7 @@ void Intake::hand_over()
 {
     stage_ = std::max(stage_, Stage::leaving);
     timer_.cancel();
-    if (const auto first = std::exchange(first_, {}))
-        first(Error(Errc::stopped, spec_.receiver + ": another process takes over before this connection was made"));
+    answer(Error(Errc::stopped, spec_.receiver + ": another process takes over before this connection was made"));
     if (connected_)
         tell(progress_.last_news());
     progress_.forget();

@@ -177,15 +177,18 @@ void Wiring::say(const Intake& intake, std::string& said) const
 
 void Wiring::connect(IntakeSpec spec, event::Clock::time_point until, event::OnOutcome on_outcome)
 {
-    if (const auto present = connected(spec);
-        present && present->spec().options.group.empty() && spec.options.group.empty())
-        return present->change(spec.options, [this, on_outcome = std::move(on_outcome)](const Outcome& outcome) {
-            state_file_.remember();
-            on_outcome(outcome);
-        });
     const auto earlier = earlier_ones(spec);
-    if (!earlier.empty() && earlier.back()->awaited() && earlier.back()->spec() == spec)
-        return earlier.back()->await(std::move(on_outcome), until);  // two have asked for the same
+    const auto newest = earlier.empty() ? nullptr : earlier.back();
+    if (newest && newest->awaited() && newest->spec() == spec)
+        return newest->await(std::move(on_outcome), until);  // two have asked for the same
+    if (newest && newest->connected() && newest->spec().options.group.empty() && spec.options.group.empty())
+        return newest->change(
+            spec.options,
+            [this, on_outcome = std::move(on_outcome)](const Outcome& outcome) {
+                state_file_.remember();
+                on_outcome(outcome);
+            },
+            until);
     if (earlier.empty() && module_.intakes().size() >= max_connections)
         throw Error(Errc::refused, module_.self().name + " has " + std::to_string(max_connections) + " connections");
     for (const auto& intake : earlier)
@@ -201,7 +204,7 @@ void Wiring::connect(IntakeSpec spec, event::Clock::time_point until, event::OnO
             state_file_.remember();  // the change may have been saved during the attempt
             return on_outcome(outcome);
         }
-        replace_earlier(self);
+        replace_earlier(self, outcome);
         state_file_.remember();
         on_outcome(outcome);
     };
@@ -215,16 +218,9 @@ std::vector<std::shared_ptr<Intake>> Wiring::earlier_ones(const IntakeSpec& spec
     return all;
 }
 
-std::shared_ptr<Intake> Wiring::connected(const IntakeSpec& spec) const
-{
-    for (const auto& intake : module_.intakes())
-        if (intake->connected() && same_ends(intake->spec(), spec))
-            return intake;
-    return nullptr;
-}
-
-/// An input has one connection to an output: the newest. A later request replaces this one.
-void Wiring::replace_earlier(const std::shared_ptr<Intake>& intake)
+/// An input has one connection to an output: the newest. A later request replaces this one, but a caller that wanted
+/// the same has what it wanted.
+void Wiring::replace_earlier(const std::shared_ptr<Intake>& intake, const Outcome& outcome)
 {
     for (const auto& other : std::vector(module_.intakes())) {
         if (other == intake)
@@ -233,6 +229,8 @@ void Wiring::replace_earlier(const std::shared_ptr<Intake>& intake)
             continue;
         if (!other->spec().options.group.empty())
             mailbox_.discard(came_over(*other));
+        if (other->spec() == intake->spec())
+            other->answer(outcome);
         module_.remove_intake(other);
     }
     pass_end_on();

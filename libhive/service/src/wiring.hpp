@@ -38,8 +38,7 @@ private:
     void begin(event::IntakeSpec spec);
     void say(const event::Intake& intake, std::string& said) const;
     [[nodiscard]] std::vector<std::shared_ptr<event::Intake>> earlier_ones(const event::IntakeSpec& spec) const;
-    [[nodiscard]] std::shared_ptr<event::Intake> connected(const event::IntakeSpec& spec) const;
-    void replace_earlier(const std::shared_ptr<event::Intake>& intake);
+    void replace_earlier(const std::shared_ptr<event::Intake>& intake, const event::Outcome& outcome);
     void pass_end_on();
 
     const Declaration& declaration_;

@@ -54,12 +54,15 @@ public:
     /// Dials and registers. `first` gets the outcome of the first attempt that is answered, or of the third; of the
     /// first one if there is no time for another one until then. Later losses are repaired silently.
     void start(OnOutcome first, Clock::time_point until = {});
+    /// Starts again with other options at the same place, so that nothing is lost or repeated. Until the sender
+    /// confirms them, and if it does not, the old options stay. For a connected intake that neither is nor becomes a
+    /// member of a group.
+    void change(const ConnectionOptions& options, OnOutcome first, Clock::time_point until);
     /// True while a caller waits for the outcome of three attempts. Then another one may wait for it as well.
     [[nodiscard]] bool awaited() const noexcept { return first_ && first_until_ != Clock::time_point(); }
     void await(OnOutcome another, Clock::time_point until);
-    /// Continues with other options at the same place, so that nothing is lost or repeated. If the sender refuses them,
-    /// the old options stay. For a connected intake that neither is nor becomes a member of a group.
-    void change(const ConnectionOptions& options, OnOutcome on_outcome);
+    /// Answers the callers that wait, if any.
+    void answer(const Outcome& outcome);
     /// No event arrives after this. Finishes shared or lossless work in progress, then deregisters. `left` is called
     /// when the sender has confirmed, or cannot.
     void stop(std::function<void()> left = [] {});
