@@ -3,8 +3,11 @@
 #include <hive/event/loop.hpp>
 #include <hive/platform/crash_signals.hpp>
 
+#include <asio/posix/stream_descriptor.hpp>
 #include <asio/post.hpp>
 
+#include <list>
+#include <memory>
 #include <pthread.h>
 #include <signal.h>
 #include <sys/timerfd.h>
@@ -139,6 +142,26 @@ void Loop::wait(Clock::time_point deadline, const std::function<bool()>& done)
     short_wait_ = Clock::now() - begin
                   < idle_timeout / 10;  // then an occasional wake-up is cheaper than two system calls for each wait
     leave();
+}
+
+/// Watches the descriptors in the io_context that also receives answers, so that one wait suffices.
+void Loop::wait(Clock::time_point deadline, const std::function<bool()>& done, const std::vector<int>& descriptors)
+{
+    using Descriptor = asio::posix::stream_descriptor;
+    const auto readable = std::make_shared<bool>(false);
+    std::list<Descriptor> watched;
+    call([&] {
+        for (const int descriptor : descriptors)
+            watched.emplace_back(context_, descriptor)
+                .async_wait(Descriptor::wait_read,
+                            [readable](const std::error_code& error) { *readable = *readable || !error; });
+    });
+    wait(deadline, [&] { return *readable || done(); });
+    call([&] {
+        for (auto& one : watched)
+            one.release();  // the caller closes it
+        watched.clear();
+    });
 }
 
 /// Turns are served in order, so a thread that releases and retakes the turn lets the others go first.

@@ -299,7 +299,7 @@ void Subscription::request(ReceiverId id, const Progress& progress, const std::v
     if (news.asked > 0)
         consumer.asked_at = ++order_;
     if (news.worked > 0) {
-        times_.add(now - consumer.head_since);
+        recent_times_[times_++ % recent_times_.size()] = now - consumer.head_since;
         consumer.head_since = now;
         consumer.suspect = false;
     }
@@ -377,6 +377,15 @@ void Subscription::abandon(std::int64_t number, Decisions& decisions)
 
 // --- leases and ends ---
 
+Clock::duration Subscription::measured_lease() const
+{
+    constexpr auto unknown_lease = std::chrono::seconds(30), min_lease = std::chrono::seconds(2);
+    constexpr std::size_t times_needed = 3;
+    if (times_ < times_needed)
+        return unknown_lease;
+    return std::max<Clock::duration>(min_lease, 4 * *std::ranges::max_element(recent_times_));
+}
+
 /// The shortest lease that any consumer asks for, so that none keeps work from the others for longer; the measured
 /// lease for those that ask for none.
 Clock::duration Subscription::lease() const
@@ -384,7 +393,7 @@ Clock::duration Subscription::lease() const
     auto shortest = Clock::duration::max();
     for (const auto& [id, consumer] : consumers_)
         shortest =
-            std::min(shortest, consumer.options.lease ? Clock::duration(*consumer.options.lease) : times_.lease());
+            std::min(shortest, consumer.options.lease ? Clock::duration(*consumer.options.lease) : measured_lease());
     return shortest;
 }
 

@@ -1,8 +1,6 @@
 // A query is pending until its answer is taken.
 #include "inquiry.hpp"
 
-#include <hive/event/descriptors.hpp>
-
 #include <algorithm>
 #include <utility>
 
@@ -61,8 +59,8 @@ void Inquiry::wait(Clock::time_point until, const std::vector<int>& descriptors)
     };
     if (std::ranges::find(descriptors, -1) != descriptors.end())
         return;
-    event::wait(
-        core_.module.loop(), until, [&] { return std::ranges::any_of(asked_, answered); }, descriptors);
+    core_.module.loop().wait(
+        until, [&] { return std::ranges::any_of(asked_, answered); }, descriptors);
 }
 
 }  // namespace hive

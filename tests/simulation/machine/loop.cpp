@@ -1,7 +1,6 @@
 // The loop: a thread waits by leaving its stack, and the world runs the handlers.
 #include "world.hpp"
 
-#include <hive/event/descriptors.hpp>
 #include <hive/event/loop.hpp>
 
 #include <asio/post.hpp>
@@ -126,9 +125,9 @@ void Loop::wait(Clock::time_point deadline, const std::function<bool()>& done)
 }
 
 /// Descriptors report nothing: those who watch them poll as well.
-void wait(Loop& loop, Clock::time_point deadline, const std::function<bool()>& done, const std::vector<int>&)
+void Loop::wait(Clock::time_point deadline, const std::function<bool()>& done, const std::vector<int>&)
 {
-    loop.wait(deadline, done);
+    wait(deadline, done);
 }
 
 void Loop::interrupt()

@@ -63,6 +63,8 @@ public:
     /// Runs the network side until `done` (asked with the turn, after each handler) or the deadline; time_point::max():
     /// no deadline.
     void wait(Clock::time_point deadline, const std::function<bool()>& done);
+    /// Returns also when a descriptor is readable. The caller keeps the descriptors.
+    void wait(Clock::time_point deadline, const std::function<bool()>& done, const std::vector<int>& descriptors);
     /// Makes a wait() of another thread check again whether it is done.
     void interrupt();
 

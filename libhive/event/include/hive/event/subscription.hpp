@@ -33,12 +33,13 @@
 // Only the time of a loss is read from the wall clock, for people.
 #pragma once
 
+#include <hive/event/clock.hpp>
 #include <hive/event/credit.hpp>
 #include <hive/event/decisions.hpp>
-#include <hive/event/work_times.hpp>
 #include <hive/status.hpp>
 
 #include <algorithm>
+#include <array>
 #include <deque>
 #include <functional>
 #include <map>
@@ -204,6 +205,7 @@ private:
     [[nodiscard]] std::optional<Share> failed(std::int64_t number, const Job& job) const;
     Job leave_with(std::int64_t number);
     [[nodiscard]] Clock::duration lease() const;
+    [[nodiscard]] Clock::duration measured_lease() const;
 
     void miss(const Identity& identity, Clock::time_point now);
     void count_missed(const Identity& identity);
@@ -246,7 +248,8 @@ private:
     Clock::time_point behind_since_{};  ///< since when an event has been waiting
     std::int64_t jobs_ = 0;
     std::uint64_t order_ = 0;
-    WorkTimes times_;
+    std::array<Clock::duration, 64> recent_times_{};  ///< of shared work
+    std::size_t times_ = 0;                           ///< measured so far
     std::int64_t last_lost_us_ = 0;
     std::optional<bool> lossless_;  ///< was the last event lossless? The next one probably is too
     bool awaited_ = false, ended_ = false;
