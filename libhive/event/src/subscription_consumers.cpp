@@ -158,8 +158,8 @@ void Subscription::cancel(Decisions& decisions)
         give_up(false, decisions);
 }
 
-/// A job that a lost consumer may have answered is not reported as failed, or it would have two answers; nor is one that
-/// a retired consumer still works on: it acknowledges the job, or returns it when it leaves.
+/// A job that a lost consumer may have answered is not reported as failed, or it would have two answers; nor is one
+/// that a retired consumer still works on: it acknowledges the job, or returns it when it leaves.
 void Subscription::give_up(bool also_in_doubt, Decisions& decisions)
 {
     if (!shared())
