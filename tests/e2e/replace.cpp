@@ -14,6 +14,7 @@
 
 using namespace hive::test;
 using namespace std::chrono_literals;
+using hive::Json;
 namespace fs = std::filesystem;
 
 namespace {
@@ -99,6 +100,32 @@ private:
     std::unique_ptr<hive::Collector> collector_;
     std::int64_t last_ = 0;
 };
+
+/// The files of a drone in the home, such as its socket.
+std::set<std::string> files_of(const Swarm& swarm, const std::string& drone)
+{
+    std::set<std::string> names;
+    for (const auto& entry : fs::directory_iterator(swarm.home()))
+        if (const auto name = entry.path().filename().string(); name.starts_with(drone + "."))
+            names.insert(name);
+    names.insert(drone + ".next");  // a lock file, which stays
+    return names;
+}
+
+/// One process, one address, one connection to each side, and no further file of the worker.
+void check_one_is_left(Line& line, const std::set<std::string>& files)
+{
+    const auto& swarm = line.swarm();
+    line.take(10);
+    CHECK(eventually([&] { return processes_of(swarm, "worker").size() == 1; }));
+    CHECK(processes_of(swarm, "worker").front() == line.pid("worker"));
+    CHECK(files_of(swarm, "worker") == files);
+    CHECK(Json::parse(swarm.hivectl_done({"ps", "--json"})).size() == 2);
+    const auto edges = [&](const char* drone) { return line.application().status(drone).outputs.at(0).edges; };
+    CHECK(eventually([&] { return edges("source").size() == 1 && edges("source").at(0).connected; }));
+    CHECK(eventually([&] { return edges("worker").size() == 1 && edges("worker").at(0).connected; }));
+    CHECK(line.application().status("worker").inputs.size() == 1);
+}
 
 /// A program hive-KIND as a shell script. It prints the given description, and otherwise runs `body`.
 void write_program(const fs::path& folder, const std::string& kind, const std::string& interface,
@@ -359,6 +386,52 @@ TEST_CASE("replace: a drone that does not answer is killed only with --force, an
     const auto again = hive::Json::parse(swarm.hivectl_done({"replace", "worker", "--force", "--json"}, long_timeout));
     CHECK(again.at("before") == forced.at("pid"));  // it answers, so it hands over
     CHECK(eventually([&] { return application.status("worker").pid == again.at("pid") && works(); }));
+}
+
+TEST_CASE("replace: of two with --force, at once or one second apart, no new process is killed, and nothing is left")
+{
+    for (const auto apart : {0ms, 1000ms}) {
+        CAPTURE(apart.count());
+        Line line({"worker"});
+        const auto& swarm = line.swarm();
+        const auto hanging = line.pid("worker");
+        const auto files = files_of(swarm, "worker");
+        ::kill(static_cast<pid_t>(hanging), SIGSTOP);
+        const std::vector<std::string> words{"replace", "worker", "--force", "--json"};
+        auto one = swarm.hivectl_running(words, "one");
+        std::this_thread::sleep_for(apart);  // the first one kills while the second one waits for an answer
+        auto two = swarm.hivectl_running(words, "two");
+        const int first = one.wait(patient(long_timeout)).value_or(-1), second = line.take_until_ended(two);
+        REQUIRE_MESSAGE(first == 0, swarm.log("one"));
+        const auto told = Json::parse(swarm.log("one"));
+        CHECK(told.at("before") == hanging);
+        if (second != 0)
+            CHECK_MESSAGE(has(swarm.log("two"), "worker"), swarm.log("two"));
+        else if (const auto by_two = Json::parse(swarm.log("two")); by_two.at("pid") != told.at("pid"))
+            CHECK(by_two.at("before") == told.at("pid"));  // it answered, and handed over
+        check_one_is_left(line, files);
+    }
+}
+
+TEST_CASE("replace: --force while another replace waits for a drone that hangs: its successor has the name, and "
+          "nothing is left")
+{
+    Line line({"worker"});
+    const auto& swarm = line.swarm();
+    const auto hanging = line.pid("worker");
+    const auto files = files_of(swarm, "worker");
+    auto waiting = swarm.hivectl_running({"replace", "worker", "start_ms=1000", "--timeout", "50", "--json"}, "one");
+    REQUIRE(eventually([&] { return successors(swarm).size() == 1; }, long_timeout));
+    ::kill(static_cast<pid_t>(hanging), SIGSTOP);
+    REQUIRE(eventually([&] { return !text_of(swarm.home() / "worker.next").empty(); }, long_timeout));
+    auto forced = swarm.hivectl_running({"replace", "worker", "work_ms=2", "--force", "--json"}, "two");
+    REQUIRE_MESSAGE(line.take_until_ended(forced) == 0, swarm.log("two"));
+    REQUIRE_MESSAGE(line.take_until_ended(waiting) == 0, swarm.log("one"));
+    const auto one = Json::parse(swarm.log("one")), two = Json::parse(swarm.log("two"));
+    CHECK(one.at("pid") == two.at("pid"));
+    CHECK(two.at("before") == hanging);
+    CHECK(line.application().get("worker", {"work_ms"}).at("work_ms") == 2);
+    check_one_is_left(line, files);
 }
 
 TEST_CASE("replace: another kind takes over, with the connections, and is what comes back after a crash")

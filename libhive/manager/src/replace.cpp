@@ -74,16 +74,23 @@ bool is_silence(const Error& error)
     return error.code() == Errc::timeout || error.code() == Errc::unreachable || error.code() == Errc::version_mismatch;
 }
 
-/// The process of a drone of this machine that does not answer; 0: it answers, or does not run.
+/// Another `replace --force` may have started a new process meanwhile, which must not be killed.
+bool holds(const event::Home& home, const std::string& drone, std::int64_t pid)
+{
+    return home.alive(drone) && home.holder(drone) == pid;
+}
+
+/// The process of a drone of this machine that does not answer; 0: it answers, does not run, or was just replaced.
 std::int64_t silent_process(Inquiry& inquiry, const event::Home& home, const std::string& drone)
 {
     constexpr std::chrono::seconds timeout(3);
+    const auto pid = home.holder(drone);
     inquiry.ask({drone + "@" + Place::here}, timeout);
     std::vector<StatusAnswer> answers;
     while ((answers = inquiry.take()).empty())
         inquiry.wait(Clock::now() + timeout, {});
     const auto& error = answers.front().error;
-    return error && is_silence(*error) && home.alive(drone) ? home.holder(drone) : 0;
+    return error && is_silence(*error) && holds(home, drone, pid) ? pid : 0;
 }
 
 /// Completes and checks an order for the time after the drone was killed. It is known by its saved state alone, which
@@ -108,8 +115,9 @@ void make_fit_for_restart(const event::Home& home, DroneOrder& order)
 void kill(Inquiry& inquiry, const event::Home& home, const std::string& drone, std::int64_t pid,
           Clock::time_point until)
 {
-    platform::kill_process(pid);
-    while (home.alive(drone)) {
+    if (holds(home, drone, pid))
+        platform::kill_process(pid);
+    while (holds(home, drone, pid)) {
         if (Clock::now() >= until)
             throw Error(Errc::timeout,
                         "process " + std::to_string(pid) + " of " + drone + " does not exit when killed");
@@ -156,9 +164,9 @@ Started replace(Application& application, StartOptions options)
     const auto before = killed > 0 ? killed : pid_of(application, order.name, order.force);
     order.name = place.drone;
     options.ssh = place.ssh;
-    if (killed > 0) {
-        options.if_missing = true;  // its supervisor may be faster
-    } else {
+    // A supervisor, or another replace, may be faster.
+    options.if_missing = killed > 0 || (order.force && !is_here(place));
+    if (killed == 0) {
         order.take_over_s = std::chrono::duration<double>(options.limit).count();
         if (is_here(place))
             make_fit(application, order);
@@ -166,7 +174,8 @@ Started replace(Application& application, StartOptions options)
     auto started = start(application, options);
     if (started.found && !order.set.empty())
         application.set(order.name, order.set);
-    started.before = before;
+    if (before > 0)
+        started.before = before;  // else hivectl on its machine has told
     return started;
 }
 
