@@ -2,6 +2,7 @@
 // missing there.
 #include "fake_ssh.hpp"
 #include "rows.hpp"
+#include "successors.hpp"
 #include "swarm.hpp"
 
 #include <doctest/doctest.h>
@@ -114,6 +115,38 @@ TEST_CASE("replace: a drone that was started with --on is replaced there")
     CHECK(refused.exit_code == 5);
     CHECK(has(refused.err, "gpu1: "));
     CHECK(ssh.hivectl({"stop", "t-1"}).exit_code == 0);
+}
+
+TEST_CASE(
+    "replace: with --force a drone of another machine that hangs is killed there, and is found again at its address")
+{
+    const Swarm there, here;
+    const FakeSsh ssh(here, there);
+    REQUIRE(ssh.hivectl({"start", "ticker", "--on", "me@gpu1", "--as", "t-1", "fps=7", "--insecure"}).exit_code == 0);
+    REQUIRE(ssh.hivectl({"start", "sleeper", "--on", "me@gpu1", "--as", "worker", "--connect", "image=t-1.tick",
+                         "--insecure"})
+                .exit_code
+            == 0);
+    const auto before = here.application().status("t-1");
+    ::kill(static_cast<pid_t>(before.pid), SIGSTOP);
+    const auto refused = ssh.hivectl({"replace", "t-1"});
+    CHECK(refused.exit_code != 0);
+    CHECK_MESSAGE(has(refused.err, "hivectl replace t-1 --force"), refused.err);
+    CHECK(processes_of(there, "t-1") == std::vector{static_cast<pid_t>(before.pid)});
+    const auto replaced = ssh.hivectl({"replace", "t-1", "--force", "bytes=9", "--json"});
+    REQUIRE_MESSAGE(replaced.exit_code == 0, replaced.err);
+    const auto row = Json::parse(replaced.out);
+    CHECK(row.at("before") == before.pid);
+    CHECK(row.at("host") == "gpu1");
+    CHECK(there.application().get("t-1", {"fps", "bytes"}) == Json{{"fps", 7.0}, {"bytes", 9}});
+    const auto after = here.application().status("t-1");
+    CHECK(after.pid == row.at("pid"));
+    CHECK(processes_of(there, "t-1") == std::vector{static_cast<pid_t>(after.pid)});
+    CHECK(after.places == before.places);
+    CHECK(Json::parse(here.hivectl_done({"place", "list", "--json"})).size() == 2);
+    CHECK(eventually([&] { return there.application().status("worker").inputs.at(0).connected; }));
+    for (const char* drone : {"worker", "t-1"})
+        CHECK(ssh.hivectl({"stop", drone}).exit_code == 0);
 }
 
 TEST_CASE("start --on: a drone that crashed there is forgotten there by stop, and its last words can be read")

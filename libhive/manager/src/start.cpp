@@ -146,7 +146,7 @@ void Start::poll_engine()
                         "choose another name, or keep it: if_missing (hivectl start --if-missing)");
         if (report.place.host != Place::here)
             application_.replace_places({report.place});
-        started_ = {.place = report.place, .log = report.log, .found = report.found};
+        started_ = {.place = report.place, .log = report.log, .found = report.found, .before = report.before};
     }
 }
 

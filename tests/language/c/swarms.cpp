@@ -334,3 +334,37 @@ TEST_CASE("c: a new process takes over from a drone, and when it does not get re
     CHECK(file.down().size() == 3);
     CHECK(leaves_nothing(lab, file));
 }
+
+TEST_CASE("c: a drone that hangs is replaced only with force, and the new one has its parameters and connections")
+{
+    const Lab lab;
+    const File file(lab, workers_file(1));
+    REQUIRE(file.done().size() == 3);
+    const auto before = lab.pid("worker-1");
+    ::kill(static_cast<pid_t>(before), SIGSTOP);
+    Text text;
+    const auto replace = [&](hive_application* application, const Json& options) {
+        return hive_application_replace(application, "worker-1", options.dump().c_str(), text.place());
+    };
+    hive_application* hasty = nullptr;
+    REQUIRE(hive_application_new(Json{{"home", lab.swarm.home()}, {"timeout_ms", 1000}}.dump().c_str(), &hasty)
+            == HIVE_OK);
+    CHECK(replace(hasty, Json::object()) == HIVE_TIMEOUT);
+    hive_release(hasty);
+    CHECK(::kill(static_cast<pid_t>(before), 0) == 0);
+    const Json options{
+        {"force", true}, {"parameters", {{"most_ms", 100}}}, {"ready_ms", patient(long_timeout).count()}};
+    REQUIRE_MESSAGE(replace(lab.application, options) == HIVE_OK, error());
+    CHECK(text.json().at("drone") == "worker-1");
+    CHECK(lab.pid("worker-1") != before);
+    CHECK(lab.get("worker-1", "work_ms") == 1);
+    CHECK(lab.get("worker-1", "most_ms") == 100);
+    const auto processed = [&] {
+        Text status;
+        REQUIRE(hive_application_status(lab.application, "worker-1", status.place(), nullptr) == HIVE_OK);
+        return status.json().at("inputs").at(0).at("processed").get<std::int64_t>();
+    };
+    CHECK(eventually([&] { return processed() > 0; }));
+    CHECK(file.down().size() == 2);
+    CHECK(leaves_nothing(lab, file));
+}

@@ -266,6 +266,24 @@ class Swarms(World):
         self.assertEqual(self.swarm.status("worker-1")["pid"], now)
         self.refused("not_found", self.swarm.replace, "nobody")
 
+    def test_a_drone_that_hangs_is_replaced_only_with_force_and_the_new_one_is_as_it_was(self):
+        swarm = self.swarm.swarm(workers_file(1))
+        swarm.up(LONG)
+        before = self.swarm.status("worker-1")["pid"]
+        os.kill(before, signal.SIGSTOP)
+        with hive.Application(timeout=1.0) as hasty, self.assertRaises(hive.Error) as caught:
+            hasty.replace("worker-1", ready=LONG)
+        self.assertIn("hivectl replace worker-1 --force", caught.exception.advice)
+        os.kill(before, 0)
+        self.swarm.replace("worker-1", parameters={"most_ms": 100}, force=True, ready=LONG)
+        now = self.swarm.status("worker-1")
+        self.assertNotEqual(now["pid"], before)
+        self.assertEqual(self.swarm.get("worker-1", "work_ms", "most_ms"), {"work_ms": 1, "most_ms": 100})
+        self.assertEqual([row["from"] for row in now["inputs"]], ["source.tick"])
+        self.assertTrue(eventually(lambda: self.swarm.status("worker-1")["inputs"][0]["processed"] > 0))
+        self.assertEqual(sorted(swarm.down(LONG)), ["source", "worker-1"])
+        self.assert_nothing_is_left()
+
 
 if __name__ == "__main__":
     unittest.main()

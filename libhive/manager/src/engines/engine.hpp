@@ -28,6 +28,7 @@ public:
         std::optional<Error> error{};  ///< it will not run; Errc::name_taken: one of this name is already running
         bool found = false;            ///< it was running before begin()
         std::string log{};             ///< on its machine; empty: not known
+        std::int64_t before = 0;       ///< the process that it replaced there; 0: none, or not known
     };
 
     virtual ~Engine() = default;

@@ -152,7 +152,8 @@ try {
         return {.drone = drone,
                 .place = place_of(drone, fields.array("places")),
                 .found = found,
-                .log = fields.text_or("log", "")};
+                .log = fields.text_or("log", ""),
+                .before = fields.integer_or("before", 0, max_json_integer, 0)};
     }
     if (result.exit_code < 128)  // else a signal ended ssh
         begun_.erase(drone);     // the hivectl there has stopped it
