@@ -49,6 +49,28 @@ struct Busy {
     }
 };
 
+/// Checks that each counter of a text of OpenMetrics is at least what it was, unless its drone started since.
+/// @param last  the values and times before; gets those of the text
+/// @return      the counters that began again
+int check_counters(const std::string& text, std::map<std::string, double>& last)
+{
+    std::map<std::string, double> now;
+    std::istringstream lines(text);
+    for (std::string line; std::getline(lines, line);)
+        if (!line.starts_with("#") && (has(line, "_total{") || has(line, "_created{")))
+            now[line.substr(0, line.rfind(' '))] = std::stod(line.substr(line.rfind(' ')));
+    int again = 0;
+    for (const auto& [sample, number] : now)
+        if (const auto total = sample.find("_total{"); total != std::string::npos && number < last[sample]) {
+            const auto start = sample.substr(0, total) + "_created" + sample.substr(total + 6);
+            CHECK_MESSAGE(now[start] > last[start], sample, ": ", last[sample], " and then ", number);
+            ++again;
+        }
+    for (const auto& [sample, number] : now)
+        last[sample] = number;
+    return again;
+}
+
 /// hivectl metrics --http, and curl.
 class Scraped {
 public:
@@ -191,6 +213,38 @@ TEST_CASE("metrics: within one run of a drone no counter goes back, while connec
         }
     }
     CHECK(last.size() > 50);
+}
+
+TEST_CASE("metrics: while drones are replaced each scrape has all of them, and a counter goes back only with its drone")
+{
+    Busy busy;
+    const Scraped scraped(busy.swarm);
+    const auto replace = [&](const std::string& drone) {
+        return busy.swarm.hivectl_running({"replace", drone, "--timeout", "50"}, "replace");
+    };
+    std::map<std::string, double> last;
+    int backwards = 0, scrapes = 0;
+    for (const std::string drone : {"plain", "one", "two", "source", "plain", "one"}) {
+        const auto before = busy.application.status(drone).pid;
+        auto replacing = replace(drone);
+        bool over = false;
+        const auto end = std::chrono::steady_clock::now() + patient(60'000ms);
+        for (std::optional<int> code; !std::exchange(over, code.has_value()); code = replacing.wait(0ms), ++scrapes) {
+            REQUIRE(std::chrono::steady_clock::now() < end);
+            CAPTURE(drone);
+            const auto text = scraped.get("/metrics", {"Accept: application/openmetrics-text;version=1.0.0"});
+            REQUIRE_MESSAGE(has(text, "# EOF\n200 "), text);
+            for (const std::string each : {"source", "plain", "one", "two", "thrower"})
+                CHECK_MESSAGE(value(text, "hive_drone_up{drone=\"" + each + "\",host=\"local\"}") == 1, text);
+            backwards += check_counters(text, last);
+            if (code)
+                CHECK_MESSAGE(code == 0, busy.swarm.log("replace"));
+        }
+        CHECK(busy.application.status(drone).pid != before);
+    }
+    MESSAGE(scrapes, " scrapes");
+    CHECK(last.size() > 100);
+    CHECK(backwards > 0);  // those of the replaced drones
 }
 
 TEST_CASE("metrics: over HTTP the scraper chooses the form, and pages of other sites read nothing")
