@@ -177,6 +177,38 @@ TEST_CASE("up under systemd: a drone of another machine is not started here")
     CHECK(systemd.units().empty());
 }
 
+TEST_CASE("up under systemd: a unit file of an earlier version is refused with the command that removes it")
+{
+    const Systemd systemd;
+    const auto up = "hivectl up " + systemd.write(work());
+    const auto file = systemd.file("hive-source.service.file").string();
+    std::ofstream(file) << "# Written by hivectl up\n";
+    const auto refused = systemd.shell(up);
+    CHECK(refused.exit_code == 5);
+    CHECK_MESSAGE(has(refused.err, "hive-source.service has a unit file, " + file), refused.err);
+    CHECK_MESSAGE(has(refused.err, "remove it: rm " + file + " && systemctl --user daemon-reload"), refused.err);
+    CHECK(systemd.units().empty());
+    CHECK(systemd.swarm.application().drones().empty());
+    fs::remove(file);
+    systemd.shell_done(up);
+}
+
+TEST_CASE("up under systemd: when systemd stops answering, up ends by its timeout, and the next down stops all")
+{
+    const Systemd systemd;
+    write_falling_drone(systemd.file("programs"));
+    auto content = work();
+    content["drones"]["brief"] = {{"kind", "falls"}};
+    std::ofstream(systemd.file("hang")) << "";
+    const auto path = "HIVE_DRONE_PATH=" + systemd.file("programs").string();
+    const auto late = systemd.shell(path + " hivectl up " + systemd.write(content) + " --timeout 6");
+    fs::remove(systemd.file("hang"));
+    CHECK_MESSAGE((late.exit_code != 0 && has(late.err, "systemctl --user does not answer")), late.err);
+    CHECK(late.took < patient(20'000ms));
+    systemd.shell_done("hivectl down");
+    CHECK(systemd.swarm.application().drones().empty());
+}
+
 TEST_CASE("up under systemd: what cannot run is said with the last lines of its log, and no unit is left")
 {
     const Systemd systemd;

@@ -3,7 +3,8 @@
 
 It supports what the engine systemd uses: systemd-run with a property or variable per option, and systemctl stop,
 show, is-active and reset-failed. Its state of a unit is in $HIVE_TEST_SYSTEMD, while the unit is loaded: UNIT.json with
-the properties, command and environment, and UNIT.state with how the unit is.
+the properties, command and environment, and UNIT.state with how the unit is. A test may create UNIT.file, a unit file of
+the user, and "hang": then systemctl does not answer once a unit has failed.
 """
 import json
 import os
@@ -96,7 +97,7 @@ def run(words):
         else:
             settings[{"--description": "description"}[option]] = value
     settings["command"] = words
-    if (STATE / (unit + ".json")).exists():
+    if (STATE / (unit + ".json")).exists() or (STATE / (unit + ".file")).exists():
         sys.exit(f"Failed to start transient service unit: Unit {unit} was already loaded or has a fragment file.")
     (STATE / (unit + ".json")).write_text(json.dumps(settings))
     write(unit, active="activating")
@@ -129,6 +130,10 @@ def reset_failed(units):
 def show(units):
     for unit in units:
         state, file = read(unit), STATE / (unit + ".json")
+        if file.exists():
+            print(f"FragmentPath=/run/user/1000/systemd/transient/{unit}")
+        elif (STATE / (unit + ".file")).exists():
+            print(f"FragmentPath={STATE / (unit + '.file')}")
         print(f"ExecMainCode={state['code']}\nExecMainStatus={state['status']}\nId={unit}")
         print("Description=" + (json.loads(file.read_text())["description"] if file.exists() else unit))
         print(f"ActiveState={state['active']}\n")
@@ -145,6 +150,8 @@ def main():
         sys.exit("Failed to connect to bus: No medium found")
     if sys.argv[0].endswith("systemd-run"):
         return run(sys.argv[2:])
+    if (STATE / "hang").exists() and any(read(file.stem)["active"] == "failed" for file in STATE.glob("*.state")):
+        time.sleep(100)
     units = [word for word in sys.argv[3:] if not word.startswith("--")]
     {"stop": stop, "show": show, "is-active": is_active, "reset-failed": reset_failed}[sys.argv[2]](units)
 

@@ -22,17 +22,21 @@ using namespace std::chrono_literals;
 
 constexpr std::ptrdiff_t units_at_once = 32;  ///< started and not yet reachable
 constexpr std::size_t journal_lines = 15;
-constexpr auto start_timeout = 310s;     ///< of systemd-run, which waits for TimeoutStartSec
-constexpr auto systemctl_timeout = 30s;  ///< per call
+constexpr auto start_timeout = 310s;  ///< of systemd-run, which waits for TimeoutStartSec
+constexpr auto min_systemctl_time = 3s,
+               max_systemctl_time = 30s;  ///< per call of systemctl, whatever is left of the verb's time
 constexpr auto pause_between_looks = 200ms;
+
+using Properties = std::map<std::string, std::string>;
 
 class SystemdEngine final : public Engine {
 public:
     explicit SystemdEngine(std::filesystem::path home) : home_(std::move(home)) {}
 
-    void begin(std::vector<SwarmDrone> drones, Clock::time_point) override
+    void begin(std::vector<SwarmDrone> drones, Clock::time_point until) override
     {
         std::ranges::move(drones, std::back_inserter(waiting_));
+        until_ = until;
     }
     std::vector<Report> poll() override;
     [[nodiscard]] std::vector<int> descriptors() override;
@@ -45,39 +49,50 @@ private:
 
         LogFromNow log;
         std::optional<RunningCommand> start;  ///< exits when the drone is ready or has failed
+        std::optional<Error> refused{};       ///< of systemd-run
         bool met = false;                     ///< reported
         Clock::time_point next_look{};
     };
 
-    void start_next(std::vector<Report>& reports);
+    void on_systemctl(std::vector<Report>& reports);
+    void call_systemctl(std::vector<Report>& reports);
+    void start_checked(const std::vector<std::string>& drones, std::vector<Report>& reports);
     void start(const SwarmDrone& drone);
+    void fail(const std::vector<std::string>& drones, const Error& error, std::vector<Report>& reports);
+    [[nodiscard]] bool is_waiting(const std::string& drone) const;
     [[nodiscard]] std::string description(const std::string& drone) const;
     [[nodiscard]] std::optional<Report> look(const std::string& drone, Unit& unit) const;
-    [[nodiscard]] std::optional<Error> failure(const std::string& drone, const Unit& unit, bool at_start) const;
+    [[nodiscard]] std::optional<Error> failure(const std::string& drone, const Unit& unit,
+                                               const Properties& known) const;
 
     event::Home home_;
+    Clock::time_point until_{};  ///< deadline of the last begin()
     std::deque<SwarmDrone> waiting_;
     std::map<std::string, Unit> units_;
+    std::optional<RunningCommand> systemctl_;  ///< one call for all drones of asked_: show, or then reset-failed
+    std::vector<std::string> asked_;
+    bool is_reset_ = false;
 };
 
 /// @param words  the verb and its options; the units of the drones follow
-CommandResult systemctl(std::vector<std::string> words, const std::vector<std::string>& drones)
+std::vector<std::string> systemctl_words(std::vector<std::string> words, const std::vector<std::string>& drones)
 {
     words.insert(words.begin(), {"systemctl", "--user"});
     std::ranges::transform(drones, std::back_inserter(words), unit_name);
-    return run_command(words, systemctl_timeout);
+    return words;
 }
 
-using Properties = std::map<std::string, std::string>;
+std::vector<std::string> show_words(const std::vector<std::string>& drones)
+{
+    return systemctl_words({"show", "--property=Id,Description,FragmentPath,ActiveState,ExecMainCode,ExecMainStatus"},
+                           drones);
+}
 
-/// What systemd knows, by unit: it prints KEY=VALUE lines, and an empty line between two units.
-std::map<std::string, Properties> units_of(const std::vector<std::string>& drones)
+/// What `show` printed, by unit: KEY=VALUE lines, and an empty line between two units.
+std::map<std::string, Properties> units_in(const std::string& shown)
 {
     std::map<std::string, Properties> units;
-    std::istringstream lines(
-        systemctl({"show", "--property=Id,Description,FragmentPath,ActiveState,ExecMainCode,ExecMainStatus"}, drones)
-            .out
-        + "\n");
+    std::istringstream lines(shown + "\n");
     Properties unit;
     for (std::string line; std::getline(lines, line);)
         if (const auto equals = line.find('='); equals != std::string::npos) {
@@ -89,15 +104,26 @@ std::map<std::string, Properties> units_of(const std::vector<std::string>& drone
     return units;
 }
 
+std::chrono::milliseconds systemctl_time(Engine::Clock::time_point until)
+{
+    return std::clamp<std::chrono::milliseconds>(
+        std::chrono::ceil<std::chrono::milliseconds>(until - Engine::Clock::now()), min_systemctl_time,
+        max_systemctl_time);
+}
+
+Error no_answer() { return {Errc::timeout, "systemctl --user does not answer", "see: systemctl --user status"}; }
+
 std::vector<Engine::Report> SystemdEngine::poll()
 {
     std::vector<Report> reports;
+    on_systemctl(reports);
     for (auto& [name, unit] : units_)
         if (auto report = unit.met ? std::nullopt : look(name, unit)) {
             unit.met = true;
             reports.push_back(*std::move(report));
         }
-    start_next(reports);
+    if (!systemctl_)
+        call_systemctl(reports);
     return reports;
 }
 
@@ -109,37 +135,97 @@ void SystemdEngine::look_again(const std::string& drone, const Error&)
 
 std::vector<int> SystemdEngine::descriptors()
 {
-    std::vector<int> all;
+    auto all = systemctl_ ? systemctl_->descriptors() : std::vector<int>();
     for (const auto& [name, unit] : units_)
         if (unit.start && !unit.met)
             std::ranges::copy(unit.start->descriptors(), std::back_inserter(all));
     return all;
 }
 
-/// A few units at a time, so that the first ones are ready soon.
-void SystemdEngine::start_next(std::vector<Report>& reports)
+/// Queries the units that are not up, and those of the next drones: a few at a time, so that the first ones are ready
+/// soon.
+void SystemdEngine::call_systemctl(std::vector<Report>& reports)
 {
-    auto places = units_at_once - std::ranges::count_if(units_, [](const auto& entry) { return !entry.second.met; });
-    std::vector<std::string> next;
-    for (std::size_t i = 0; i < waiting_.size() && std::ssize(next) < places; ++i)
-        next.push_back(waiting_[i].name);
-    std::optional<Error> unusable;
-    try {
-        auto known = next.empty() ? std::map<std::string, Properties>() : units_of(next);
-        std::erase_if(next,
-                      [&](const auto& drone) { return known[unit_name(drone)]["Description"] != description(drone); });
-        if (!next.empty())
-            systemctl({"reset-failed"}, next);  // failed units of an earlier run are still loaded
-    } catch (const Error& error) {
-        unusable = error;
+    const auto now = Clock::now();
+    auto places = units_at_once;
+    asked_.clear();
+    for (const auto& [name, unit] : units_) {
+        places -= unit.met ? 0 : 1;
+        if (!unit.met && !unit.start && now >= unit.next_look)
+            asked_.push_back(name);
     }
-    for (; !waiting_.empty() && places > 0; waiting_.pop_front(), --places)
+    for (std::size_t i = 0; i < waiting_.size() && places > 0; ++i, --places)
+        asked_.push_back(waiting_[i].name);
+    try {
+        if (!asked_.empty())
+            systemctl_.emplace(show_words(asked_), systemctl_time(until_));
+    } catch (const Error& error) {
+        fail(asked_, error, reports);
+    }
+}
+
+void SystemdEngine::on_systemctl(std::vector<Report>& reports)
+try {
+    const auto result = systemctl_ ? systemctl_->poll() : std::nullopt;
+    if (!result)
+        return;
+    systemctl_.reset();
+    const bool was_reset = std::exchange(is_reset_, false);
+    if (result->late)
+        return fail(asked_, no_answer(), reports);
+    if (was_reset)
+        return start_checked(asked_, reports);
+    auto known = units_in(result->out);
+    std::vector<std::string> next, loaded;
+    for (const auto& drone : asked_) {
+        const auto& unit = known[unit_name(drone)];
+        if (is_waiting(drone)) {
+            next.push_back(drone);
+            if (const auto found = unit.find("Description"); found != unit.end() && found->second == description(drone))
+                loaded.push_back(drone);
+        } else if (const auto begun = units_.find(drone); begun != units_.end()) {
+            begun->second.next_look = Clock::now() + pause_between_looks;
+            if (const auto error = failure(drone, begun->second, unit))
+                fail({drone}, *error, reports);
+        }
+    }
+    if (loaded.empty())
+        return start_checked(next, reports);
+    asked_ = std::move(next);
+    systemctl_.emplace(systemctl_words({"reset-failed"}, loaded),
+                       systemctl_time(until_));  // an earlier run has left them
+    is_reset_ = true;
+} catch (const Error& error) {
+    fail(asked_, error, reports);
+}
+
+bool SystemdEngine::is_waiting(const std::string& drone) const
+{
+    return std::ranges::find(waiting_, drone, &SwarmDrone::name) != waiting_.end();
+}
+
+/// Reports the error of each that has no report yet.
+void SystemdEngine::fail(const std::vector<std::string>& drones, const Error& error, std::vector<Report>& reports)
+{
+    for (const auto& drone : drones) {
+        const auto unit = units_.find(drone);
+        const bool begun = std::erase_if(waiting_, [&](const auto& next) { return next.name == drone; }) == 0;
+        if (begun && (unit == units_.end() || std::exchange(unit->second.met, true)))
+            continue;
+        reports.push_back({.drone = drone, .error = error});
+    }
+}
+
+void SystemdEngine::start_checked(const std::vector<std::string>& drones, std::vector<Report>& reports)
+{
+    for (const auto& name : drones)
         try {
-            if (unusable)
-                throw Error(*unusable);
-            start(waiting_.front());
+            if (const auto next = std::ranges::find(waiting_, name, &SwarmDrone::name); next != waiting_.end()) {
+                start(*next);
+                waiting_.erase(next);
+            }
         } catch (const Error& error) {
-            reports.push_back({.drone = waiting_.front().name, .error = error});
+            fail({name}, error, reports);
         }
 }
 
@@ -184,43 +270,43 @@ void SystemdEngine::start(const SwarmDrone& drone)
 std::optional<Engine::Report> SystemdEngine::look(const std::string& drone, Unit& unit) const
 try {
     const auto result = unit.start ? unit.start->poll() : std::nullopt;
-    if (result)
+    if (result) {
         unit.start.reset();
-    if (result && result->exit_code != 0)
-        throw failure(drone, unit, true).value_or(Error(Errc::failed, "systemd-run: " + last_line(result->err)));
-    if (home_.alive(drone))
+        if (result->exit_code != 0)
+            unit.refused = Error(Errc::failed, "systemd-run: " + last_line(result->err));
+    }
+    if (!unit.refused && home_.alive(drone))
         return Report{.drone = drone,
                       .place = {.drone = drone, .host = Place::here, .address = to_text(home_.address(drone))}};
-    if (unit.start || Clock::now() < unit.next_look)
-        return std::nullopt;
-    unit.next_look = Clock::now() + pause_between_looks;
-    const auto error = failure(drone, unit, false);
-    return error ? std::optional(Report{.drone = drone, .error = error}) : std::nullopt;
+    return std::nullopt;
 } catch (const Error& error) {
     return Report{.drone = drone, .error = error};
 }
 
 /// Why the unit does not run our drone, as far as systemd knows. A crash is final at the start only: later, systemd may
 /// still restart it.
-std::optional<Error> SystemdEngine::failure(const std::string& drone, const Unit& unit, bool at_start) const
+std::optional<Error> SystemdEngine::failure(const std::string& drone, const Unit& unit, const Properties& known) const
 {
-    auto known = units_of({drone})[unit_name(drone)];
-    if (const auto& file = known["FragmentPath"]; !file.empty() && file.find("/transient/") == std::string::npos)
+    const auto value = [&](const char* name) {
+        const auto found = known.find(name);
+        return found == known.end() ? "" : found->second;
+    };
+    if (const auto file = value("FragmentPath"); !file.empty() && file.find("/transient/") == std::string::npos)
         return Error(Errc::refused, unit_name(drone) + " has a unit file, " + file,
                      "remove it: rm " + file + " && systemctl --user daemon-reload");
-    const bool loaded = known["ActiveState"] == "active" || known["ActiveState"] == "activating";
-    if (loaded && known["Description"] != description(drone))
+    const bool loaded = value("ActiveState") == "active" || value("ActiveState") == "activating";
+    if (loaded && value("Description") != description(drone))
         return Error(Errc::refused, unit_name(drone) + " runs already, of another home",
                      "stop that first: hivectl down with its HIVE_HOME, or systemctl --user stop " + unit_name(drone));
-    const int code = std::atoi(known["ExecMainCode"].c_str()), value = std::atoi(known["ExecMainStatus"].c_str());
-    if (code == 0 || (loaded && !at_start))
-        return std::nullopt;
+    const int code = std::atoi(value("ExecMainCode").c_str()), status = std::atoi(value("ExecMainStatus").c_str());
+    if (code == 0 || (loaded && !unit.refused))
+        return unit.refused;
     constexpr int exited = 1;  // CLD_EXITED; otherwise the status is a signal
-    return not_ready(drone, code == exited ? value << 8 : value, unit.log.last_lines(journal_lines));
+    return not_ready(drone, code == exited ? status << 8 : status, unit.log.last_lines(journal_lines));
 }
 
 /// Leaves units of another home alone.
-std::vector<SwarmFailure> SystemdEngine::stop(const std::vector<std::string>& drones, Clock::time_point)
+std::vector<SwarmFailure> SystemdEngine::stop(const std::vector<std::string>& drones, Clock::time_point until)
 {
     const auto meant = [&](const SwarmDrone& drone) { return std::ranges::find(drones, drone.name) != drones.end(); };
     std::erase_if(waiting_, meant);
@@ -229,14 +315,20 @@ std::vector<SwarmFailure> SystemdEngine::stop(const std::vector<std::string>& dr
     for (const auto& name : begun)
         units_.at(name).start.reset();
     std::optional<Error> failed;
+    const auto call = [&](const std::vector<std::string>& words) {
+        auto result = run_command(words, systemctl_time(until));
+        if (result.late)
+            throw no_answer();
+        return result.out;
+    };
     try {
-        auto known = begun.empty() ? std::map<std::string, Properties>() : units_of(begun);
+        auto known = units_in(begun.empty() ? "" : call(show_words(begun)));
         std::ranges::copy_if(begun, std::back_inserter(loaded), [&](const auto& name) {
             return known[unit_name(name)]["Description"] == description(name);
         });
         for (const auto* verb : {"stop", "reset-failed"})  // a failed unit would stay loaded
             if (!loaded.empty())
-                systemctl({verb}, loaded);
+                call(systemctl_words({verb}, loaded));
     } catch (const Error& error) {
         failed = error;
     }
