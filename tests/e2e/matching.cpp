@@ -79,6 +79,18 @@ TEST_CASE("annotate: on demand every image is drawn with exactly its boxes, none
     CHECK(counts.missing == std::map<std::string, std::int64_t>{{"image", 0}, {"marks", 0}});
 }
 
+TEST_CASE("annotate: both inputs of its match have the time of the callback for both")
+{
+    AnnotateSwarm swarm;
+    swarm.application.resume("camera");
+    REQUIRE(swarm.annotated->next(patient(5000ms)).has_value());
+    REQUIRE(swarm.annotated->next(patient(5000ms)).has_value());  // the callback for the first one has ended
+    const auto inputs = swarm.application.status("annotate").inputs;
+    REQUIRE(inputs.size() == 2);
+    for (const auto& input : inputs)
+        CHECK_MESSAGE(input.work_p99_us > 0, input.input);
+}
+
 TEST_CASE("annotate: on demand with two workers that share, one of them killed, every image comes exactly once")
 {
     AnnotateSwarm swarm(2);
