@@ -25,14 +25,20 @@ Json to_json(const Hello& hello)
     Json json{{"name", hello.name}, {"kind", hello.kind}, {"epoch", hello.epoch}, {"pid", hello.pid}};
     if (hello.maps)
         json["maps"] = true;
+    if (!hello.file.empty())
+        json["file"] = hello.file;
     return json;
 }
 
 Hello hello_from_json(const Json& object)
 {
     const Fields fields(object, "hello");
-    return {fields.name("name"), fields.name("kind"), fields.integer("epoch", 0, max_json_integer),
-            fields.integer_or("pid", 0, max_json_integer, 0), fields.flag_or("maps", false)};
+    return {fields.name("name"),
+            fields.name("kind"),
+            fields.integer("epoch", 0, max_json_integer),
+            fields.integer_or("pid", 0, max_json_integer, 0),
+            fields.flag_or("maps", false),
+            fields.text_or("file", "")};
 }
 
 Json to_json(const Registration& registration)

@@ -136,6 +136,44 @@ TEST_CASE("explain: a sender that was stopped on the machine where it was starte
     CHECK(runs(shell, "explain worker"));
 }
 
+TEST_CASE("explain: a Python file on another machine, which throws there, and which was stopped there")
+{
+    if (!possible(missing_for_lab()) || !possible(sanitized() ? "a build without sanitizers, for Python" : ""))
+        return;
+    const Lab lab({"cam1"});
+    lab.share_key();
+    const Shell shell([&](const std::string& line) { return lab.shell(line); });
+    const auto file = (lab.machine(0).swarm.home() / "passes.py").string();
+    const auto write = [&](const std::string& body) {
+        std::ofstream(file) << "import hive\n"
+                               "drone = hive.Drone('passes', 'Passes ticks on.')\n"
+                               "result = drone.output('result', 'application/json', 'results')\n"
+                               "@drone.on_event('in', '*/*', 'ticks')\n"
+                               "def work(event):\n    "
+                                   + body + "\ndrone.run()\n";
+    };
+    write("result.emit({'fine': True})");
+    lab.hivectl_done("start counter --on cam1");  // tells how to reach the machine
+    lab.hivectl_done("start ticker --as source --on cam1");
+    lab.hivectl_done("start " + file + " --as origin --on cam1");
+    lab.hivectl_done("start sleeper --as worker");
+    lab.hivectl_done("connect source origin");
+    lab.hivectl_done("connect origin worker");
+    CHECK(runs(shell, "explain worker"));
+    lab.hivectl_done("stop origin");
+    const auto stopped = awaited(shell, "explain worker", "not_running origin");
+    CHECK_MESSAGE(has(stopped.command(), "hivectl start " + file + " --as origin --listen tcp://0.0.0.0:77"),
+                  stopped.text());
+    CHECK_MESSAGE(stopped.command().ends_with(" --on cam1"), stopped.text());
+    write("raise ValueError('division by cucumber')");
+    cure(shell, stopped);
+    lab.hivectl_done("connect source origin");  // it had forgotten its inputs
+    const auto throws = awaited(shell, "explain worker", "throws origin");
+    write("result.emit({'fine': True})");
+    cure(shell, throws);
+    CHECK(runs(shell, "explain worker"));
+}
+
 TEST_CASE("explain: a machine that is cut off, while a drone of this one has halted")
 {
     if (!possible(missing_for_lab()))

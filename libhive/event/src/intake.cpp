@@ -186,7 +186,7 @@ void Intake::confirmed(const LinkPtr& link, const Json& result, std::int64_t hel
         return failed(error);
     }
     connected_ = true;
-    kind_ = link->peer().kind;
+    kind_ = link->peer().file.empty() ? link->peer().kind : link->peer().file;
     tried_ = 0;
     sender_leaves_ = false;
     end_.reset();  // the sender sends its end again, if it still holds, and is then asked again

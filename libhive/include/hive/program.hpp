@@ -41,8 +41,8 @@ std::string assignment(const std::string& parameter, const Json& value);
 /// $HIVE_PYTHON alone, or that of the active environment, python3 in $PATH and /usr/bin/python3.
 DroneCommand command_of(const std::string& kind);
 
-/// Is the running drone what this kind starts? Compares with what the drone reports it was started as, "edges.py", or
-/// else with its own kind. Throws as interface_of.
+/// Is the running drone what this kind starts? Compares with what the drone reports it was started as, "face" or
+/// "/home/me/edges.py", which "edges.py" matches on any machine, or else with its own kind. Throws as interface_of.
 bool is_of_kind(const Status& running, const std::string& kind);
 
 /// Inputs, outputs and parameters of this kind, as its program prints them for --describe. Throws as command_of,

@@ -110,11 +110,12 @@ DroneCommand bare_command_of(const std::string& kind)
 
 }  // namespace
 
-/// A wrapper or a Python file does not report what it was started as.
+/// A wrapper or a Python file does not report what it was started as. Later commands may run in another directory.
 DroneCommand command_of(const std::string& kind)
 {
     auto command = bare_command_of(kind);
-    command.environment.push_back("HIVE_KIND=" + kind);
+    command.environment.push_back("HIVE_KIND="
+                                  + (is_python_file(kind) ? fs::absolute(kind).lexically_normal().string() : kind));
     return command;
 }
 
@@ -145,7 +146,9 @@ Interface interface_of(const std::string& kind, std::chrono::milliseconds limit)
 bool is_of_kind(const Status& running, const std::string& kind)
 {
     if (running.order && !running.order->kind.empty())
-        return running.order->kind == kind;
+        return running.order->kind == kind
+               || (is_python_file(kind)
+                   && running.order->kind.ends_with("/" + fs::path(kind).lexically_normal().string()));
     return running.kind == kind || (is_python_file(kind) && interface_of(kind).kind == running.kind);
 }
 

@@ -103,7 +103,11 @@ void DroneCore::Running::end()
 
 DroneCore::DroneCore(DroneProgram program, DroneSettings settings)
     : settings_(std::move(settings)),
-      self_{.name = settings_.name, .kind = program.kind, .epoch = event::wall_us(), .pid = platform::own_pid()},
+      self_{.name = settings_.name,
+            .kind = program.kind,
+            .epoch = event::wall_us(),
+            .pid = platform::own_pid(),
+            .file = settings_.order.kind.starts_with('/') ? settings_.order.kind : ""},
       declaration_(std::move(program)),
       reporter_(self_, board_, settings_.log),
       emitter_(self_, declaration_.interface, mailbox_)

@@ -108,8 +108,12 @@ TEST_CASE("explain: no text of a peer gets into a command if a shell would run a
         return search.causes().at(0).command;
     };
     CHECK(command() == "hivectl start camera --listen tcp://0.0.0.0:7700 --on me@cam1");
-    input.kind = "camera;reboot";
-    CHECK(command() == "hivectl ps");
+    input.kind = "/home/me/my-camera.py";
+    CHECK(command() == "hivectl start /home/me/my-camera.py --as camera --listen tcp://0.0.0.0:7700 --on me@cam1");
+    for (const auto* kind : {"camera;reboot", "/home/me/a b.py", "/home/me/$(reboot).py", "-x.py"}) {
+        input.kind = kind;
+        CHECK_MESSAGE(command() == "hivectl ps", kind);
+    }
     input.kind = "camera";
     input.address = "tcp://cam1:`reboot`";
     CHECK(command() == "hivectl ps");

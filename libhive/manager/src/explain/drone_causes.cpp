@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <filesystem>
 
 namespace hive::explaining {
 namespace {
@@ -70,6 +71,19 @@ try {
     return {address.host, std::to_string(address.port)};
 } catch (const Error&) {
     return {};
+}
+
+/// May it be in a command? A peer reports it: "face", or "/home/me/edges.py".
+bool is_plain_kind(const std::string& kind)
+{
+    return is_name(kind)
+           || (is_python_file(kind) && kind.starts_with('/') && is_plain(kind) && kind.find(' ') == std::string::npos);
+}
+
+bool is_startable(const std::string& kind)
+{
+    std::error_code ignored;
+    return is_python_file(kind) ? std::filesystem::is_regular_file(kind, ignored) : program_of(kind).has_value();
 }
 
 /// A lasting trouble that fails each event, such as a full disk: the condition says how to fix it.
@@ -178,7 +192,7 @@ Search::Start Search::start_of(const std::string& drone) const
         return {.command = start_command(known->second, drone)};
     for (const auto& answer : look_.answers)  // after a stop on purpose, its receivers still know it
         for (const auto& input : answer.status.inputs)
-            if (owner_of(input.from) == drone && !input.kind.empty() && program_of(input.kind))
+            if (owner_of(input.from) == drone && is_plain_kind(input.kind) && is_startable(input.kind))
                 return {.command = start_command(input.kind, drone)};
     return {};
 }
@@ -191,7 +205,7 @@ std::optional<Search::Start> Search::start_elsewhere(const std::string& drone) c
             if (owner_of(input.from) != drone || (beside_receiver && !is_elsewhere(answer.place)))
                 continue;
             Start start{.at = beside_receiver ? answer.place.host : input.address};
-            if (!is_name(input.kind) || !is_name(drone))
+            if (!is_plain_kind(input.kind) || !is_name(drone))
                 return start;
             const auto [host, port] = host_and_port(input.address);
             start.there = start_command(input.kind, drone)

@@ -19,7 +19,8 @@ struct Hello {
     std::string kind;        ///< "face"; "application" for an application
     std::int64_t epoch = 0;  ///< when the module started, microseconds since 1970: a restarted module has a larger one
     std::int64_t pid = 0;
-    bool maps = false;  ///< accepts bodies in shared memory on this connection
+    bool maps = false;   ///< accepts bodies in shared memory on this connection
+    std::string file{};  ///< the Python file that the module runs, as an absolute path; empty: a program
 };
 Json to_json(const Hello& hello);
 Hello hello_from_json(const Json& object);
