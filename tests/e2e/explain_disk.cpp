@@ -25,31 +25,54 @@ Json row_to(const Swarm& swarm, const std::string& receiver, int exit_code)
     return {};
 }
 
+/// A file system of 16 MB, 12 of them full, and a recorder, which alone sees what is on it.
+class SmallDisk {
+public:
+    static std::string missing(const Swarm& swarm)
+    {
+        return swarm.run({"/usr/bin/unshare", "-Urm", "/bin/true"}).exit_code == 0 ? ""
+                                                                                   : "the right to mount a file system";
+    }
+    explicit SmallDisk(const Swarm& swarm) : swarm_(swarm), path_(swarm.home() / "disk")
+    {
+        fs::create_directory(path_);
+        const auto started = swarm.run(
+            {"/usr/bin/unshare", "-Urm", "/bin/sh", "-c",
+             "mount -t tmpfs -o size=16m small $0 && head -c 12000000 /dev/zero > $0/filler && hivectl start record "
+             "file=$0/run.hive",
+             path_.string()});
+        REQUIRE_MESSAGE(started.exit_code == 0, started.err);
+    }
+    [[nodiscard]] const fs::path& path() const { return path_; }
+    /// Runs a shell command where the recorder is; $0 is the path.
+    [[nodiscard]] Finished run(const std::string& line) const
+    {
+        const auto pid = std::to_string(swarm_.application().status("record").pid);
+        return swarm_.run({"/usr/bin/nsenter", "--target", pid, "--user", "--mount", "--preserve-credentials",
+                           "/bin/sh", "-c", line, path_.string()});
+    }
+    void make_space() const { REQUIRE(run("rm $0/filler").exit_code == 0); }
+
+private:
+    const Swarm& swarm_;
+    fs::path path_;
+};
+
 }  // namespace
 
 TEST_CASE("explain and audit: a recorder whose disk is full, and which continues once there is space")
 {
     const Swarm swarm;
-    if (!possible(swarm.run({"/usr/bin/unshare", "-Urm", "/bin/true"}).exit_code == 0
-                      ? ""
-                      : "the right to mount a file system"))
+    if (!possible(SmallDisk::missing(swarm)))
         return;
-    const auto disk = swarm.home() / "disk", free = swarm.home() / "free";
-    fs::create_directory(disk);
     const auto camera = swarm.drone("camera", "camera", {"fps=30", "width=160", "height=120"});
-    const auto started =
-        swarm.run({"/usr/bin/unshare", "-Urm", "/bin/sh", "-c",
-                   "mount -t tmpfs -o size=16m small " + disk.string() + " && head -c 12000000 /dev/zero > "
-                       + disk.string() + "/filler && hivectl start record file=" + disk.string()
-                       + "/run.hive || exit 1; (while [ ! -e " + free.string() + " ]; do sleep 0.05; done; rm "
-                       + disk.string() + "/filler " + free.string() + ") > /dev/null 2>&1 &"});
-    REQUIRE_MESSAGE(started.exit_code == 0, started.err);
+    const SmallDisk disk(swarm);
     swarm.hivectl_done({"connect", "camera", "record", "--window", "8"});
     CHECK(row_to(swarm, "record.events", 0).at("verdict") == "ok");
 
     const auto full = awaited(swarm, "explain", "condition record");
     CHECK(full.exit_code == 9);
-    const auto file = disk / "run.hive", next = disk / "run-2.hive";
+    const auto file = disk.path() / "run.hive", next = disk.path() / "run-2.hive";
     CHECK_MESSAGE(has(full.text(), "record reports: disk full: " + file.string()), full.text());
     CHECK_MESSAGE(has(full.evidence(), " events abandoned"), full.text());
     CHECK(full.command() == "hivectl set record file=" + next.string());
@@ -62,8 +85,7 @@ TEST_CASE("explain and audit: a recorder whose disk is full, and which continues
     CHECK(loss.at("reason") == "disk full: " + file.string());
     CHECK(has(swarm.hivectl({"audit", "--wide"}).out, "abandoned at record (last: disk full: " + file.string() + ")"));
     const Shell shell(swarm);
-    std::ofstream(free) << "";
-    REQUIRE(eventually([&] { return !fs::exists(free); }));
+    disk.make_space();
     cure(shell, full);
     CHECK(runs(shell, "explain"));
     auto application = swarm.application();
@@ -71,4 +93,44 @@ TEST_CASE("explain and audit: a recorder whose disk is full, and which continues
     REQUIRE(eventually([&] { return processed(application, "record") > before.processed + 10; }));
     CHECK(application.status("record").inputs.at(0).abandoned == before.abandoned);
     CHECK(application.get("record", {"file"}).at("file") == next.string());
+}
+
+TEST_CASE("replace: a recorder whose disk is full: each event is in a recording, or is counted there as lost")
+{
+    const Swarm swarm;
+    if (!possible(SmallDisk::missing(swarm)))
+        return;
+    const auto camera = swarm.drone("camera", "camera", {"fps=30", "width=160", "height=120"});
+    const SmallDisk disk(swarm);
+    swarm.hivectl_done({"connect", "camera", "record", "--window", "8"});
+    auto application = swarm.application();
+    const auto abandons = [&] { return application.status("record").inputs.at(0).abandoned > 5; };
+    const auto replace = [&] {
+        const auto before = application.status("record").pid;
+        const auto done = disk.run("hivectl replace record --lose-state");
+        CHECK_MESSAGE(done.exit_code == 0, done.err);
+        CHECK(application.status("record").pid != before);
+    };
+    REQUIRE(eventually(abandons));
+    replace();
+    REQUIRE(eventually(abandons));
+    disk.make_space();
+    replace();
+    REQUIRE(eventually([&] { return application.status("record").inputs.at(0).processed > 5; }));
+    application.halt("camera");
+    const auto edge = [&] { return application.status("camera").outputs.at(0).edges.at(0); };
+    REQUIRE(eventually([&] { return edge().events.in_flight() == 0 && edge().waiting == 0; }));
+    std::int64_t recorded = 0, lost = 0;
+    for (const std::string file : {"run", "run-2", "run-3"}) {
+        const auto read = disk.run("hivectl replay $0/" + file + ".hive --info --json");
+        const auto info = Json::parse(read.out);  // the exit code tells that the last one is still being written
+        CHECK_MESSAGE(info.at("events").get<int>() + static_cast<int>(info.at("lost").size()) > 0, info.dump());
+        recorded += info.at("events").get<std::int64_t>();
+        for (const auto& one : info.at("lost")) {
+            CHECK(one.at("reason") == "disk full");
+            lost += one.at("events").get<std::int64_t>();
+        }
+    }
+    CHECK(lost > 10);
+    CHECK(recorded + lost == edge().events.total());
 }
