@@ -38,8 +38,9 @@ Child started(const fs::path& program, std::vector<std::string> words, const std
 LogFromNow::LogFromNow(fs::path file) : file_(std::move(file)), begin_(size_or_zero(file_)) {}
 
 /// The drone rotated a log that is shorter than before: all of it is of this run.
-std::string LogFromNow::last_lines(std::size_t lines) const
+std::string LogFromNow::last_lines() const
 {
+    constexpr std::size_t lines = 15;
     return hive::last_lines(file_, lines, begin_ <= size_or_zero(file_) ? begin_ : 0);
 }
 

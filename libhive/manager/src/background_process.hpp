@@ -15,7 +15,8 @@ class LogFromNow {
 public:
     LogFromNow(std::filesystem::path file);
     [[nodiscard]] const std::filesystem::path& file() const { return file_; }
-    [[nodiscard]] std::string last_lines(std::size_t lines) const;
+    /// The last 15 lines.
+    [[nodiscard]] std::string last_lines() const;
 
 private:
     std::filesystem::path file_;
@@ -37,8 +38,8 @@ public:
 
     /// A drone exits within two seconds, whatever its code does.
     void end(Clock::time_point kill_at = Clock::now() + std::chrono::seconds(3)) { Child::end(kill_at); }
-    /// The last lines that it wrote, at most `lines`.
-    [[nodiscard]] std::string last_words(std::size_t lines) const { return log_.last_lines(lines); }
+    /// The last lines that it wrote.
+    [[nodiscard]] std::string last_words() const { return log_.last_lines(); }
 
 private:
     LogFromNow log_;

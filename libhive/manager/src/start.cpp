@@ -17,7 +17,6 @@ using namespace std::chrono_literals;
 using Clock = platform::SteadyClock;
 using Life = BackgroundProcess::Life;
 
-constexpr std::size_t lines_shown = 15;
 constexpr auto time_to_hand_over = 46s;  ///< for the old drone, which may be in a long callback
 
 /// A drone on another machine that does not answer may have been switched off for good.
@@ -172,7 +171,7 @@ void Start::require_time()
     const auto* const here = process();
     throw Error(Errc::timeout,
                 subject() + " was not ready in time and was stopped"
-                    + (here ? "; " + log_text(here->last_words(lines_shown)) : ""),
+                    + (here ? "; " + log_text(here->last_words()) : ""),
                 "allow more time: --timeout SECONDS");
 }
 
@@ -224,7 +223,7 @@ public:
         if (!status)
             return std::nullopt;
         return Error(*status == 0 ? Errc::stopped : errc_of_status(*status),
-                     name() + " " + how_it_ended(*status) + "; " + log_text(start_.process()->last_words(lines_shown)));
+                     name() + " " + how_it_ended(*status) + "; " + log_text(start_.process()->last_words()));
     }
 
 private:

@@ -7,6 +7,7 @@
 #include <hive/swarm.hpp>
 
 #include <chrono>
+#include <deque>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -33,7 +34,7 @@ public:
 
     virtual ~Engine() = default;
     /// Queues these drones, to be ready by then; poll() starts them a few at a time.
-    virtual void begin(std::vector<SwarmDrone> drones, Clock::time_point until) = 0;
+    virtual void begin(std::vector<SwarmDrone> drones, Clock::time_point until);
     /// New reports since the last call: one per drone of begin().
     virtual std::vector<Report> poll() = 0;
     /// One of these descriptors is readable when poll() may have a new report. Without any, poll() must be called
@@ -52,6 +53,13 @@ public:
     /// Leaves other drones alone, and a process that has begun to take over. Other engines may do the same on other
     /// threads.
     virtual std::vector<SwarmFailure> stop(const std::vector<std::string>& drones, Clock::time_point until) = 0;
+
+protected:
+    /// Leaves these of begin() unstarted.
+    void forget_waiting(const std::vector<std::string>& drones);
+
+    std::deque<SwarmDrone> waiting_;  ///< of begin(), not started yet
+    Clock::time_point until_{};       ///< that of the last begin()
 };
 
 /// @param host  the machine's name in the plan

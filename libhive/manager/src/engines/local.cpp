@@ -5,7 +5,6 @@
 #include <hive/program.hpp>
 
 #include <algorithm>
-#include <deque>
 #include <list>
 #include <utility>
 
@@ -14,7 +13,6 @@ namespace {
 
 /// Enough at a time to keep the processors busy, but few enough that the first ones are ready soon.
 constexpr std::size_t at_once = 16;
-constexpr std::size_t lines_shown = 15;
 constexpr std::chrono::seconds grace(3);         ///< as BackgroundProcess::end()
 constexpr std::chrono::seconds time_to_exit(1);  ///< for a late successor to exit by itself
 constexpr int max_attempts = 3;                  ///< to take over
@@ -23,10 +21,6 @@ class LocalEngine final : public Engine {
 public:
     LocalEngine(std::filesystem::path home, BackgroundProcess::Life life) : home_(std::move(home)), life_(life) {}
 
-    void begin(std::vector<SwarmDrone> drones, Clock::time_point) override
-    {
-        std::ranges::move(drones, std::back_inserter(waiting_));
-    }
     std::vector<Report> poll() override;
     [[nodiscard]] std::vector<int> descriptors() override;
     void look_again(const std::string& drone, const Error& why) override;
@@ -56,7 +50,6 @@ private:
 
     event::Home home_;
     BackgroundProcess::Life life_;
-    std::deque<SwarmDrone> waiting_;
     std::list<Begun> begun_;
     std::size_t not_met_ = 0;
 };
@@ -138,7 +131,7 @@ std::optional<Engine::Report> LocalEngine::look(Begun& begun) const
     if (met)
         return Report{.drone = name,
                       .error = Error(Errc::name_taken, name + " is running already: another process was faster")};
-    return Report{.drone = name, .error = not_ready(name, *status, begun.process.last_words(lines_shown))};
+    return Report{.drone = name, .error = not_ready(name, *status, begun.process.last_words())};
 }
 
 /// The old drone exits once a successor has asked it to hand over, so another process is started if the successor
@@ -159,7 +152,7 @@ std::optional<Engine::Report> LocalEngine::look_at_successor(Begun& begun) const
     }
     if (*status == 0 && home_.holder(name) != begun.predecessor && (home_.alive(name) || home_.succession(name)))
         return placed(name);  // it took over, and was replaced itself
-    const auto words = begun.process.last_words(lines_shown);
+    const auto words = begun.process.last_words();
     if (late)
         return Report{.drone = name,
                       .error = Error(Errc::timeout, subject_of(begun.drone) + " was not ready in time and was stopped; "
@@ -171,7 +164,7 @@ std::optional<Engine::Report> LocalEngine::look_at_successor(Begun& begun) const
 std::vector<SwarmFailure> LocalEngine::stop(const std::vector<std::string>& drones, Clock::time_point)
 {
     const auto meant = [&](const std::string& name) { return std::ranges::find(drones, name) != drones.end(); };
-    std::erase_if(waiting_, [&](const SwarmDrone& drone) { return meant(drone.name); });
+    forget_waiting(drones);
     for (auto& begun : begun_)
         if (meant(begun.drone.name) && !has_asked(begun))
             begun.process.terminate();

@@ -10,7 +10,6 @@
 #include <hive/transport/listen_address.hpp>
 
 #include <algorithm>
-#include <deque>
 #include <list>
 #include <map>
 #include <set>
@@ -26,9 +25,8 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr std::size_t steps_at_once = 16;  ///< started and not yet reachable
-constexpr std::size_t step_log_lines = 15;
-constexpr auto slurm_timeout = 10s;  ///< per command of Slurm
-constexpr auto exit_timeout = 5s;    ///< for steps after a signal
+constexpr auto slurm_timeout = 10s;        ///< per command of Slurm
+constexpr auto exit_timeout = 5s;          ///< for steps after a signal
 
 /// The range of drones' ports on a node, below the system's ephemeral ports. A drone gets the same port each time, so
 /// that one left behind by a killed `up` is found; if another program has the port, it gets the next.
@@ -82,7 +80,6 @@ private:
     std::vector<std::string> options_;
     std::string address_;  ///< of the node; empty: not known yet
     std::optional<RunningCommand> asking_;
-    std::deque<SwarmDrone> waiting_;
     std::list<Step> steps_;
     std::set<std::string> adopted_;
 };
@@ -97,12 +94,12 @@ std::string address_in(const std::string& text)
                : text.substr(begin + key.size(), text.find_first_of(" \n", begin) - begin - key.size());
 }
 
-void SlurmEngine::begin(std::vector<SwarmDrone> drones, Clock::time_point)
+void SlurmEngine::begin(std::vector<SwarmDrone> drones, Clock::time_point until)
 {
     if (job_.empty())
         throw Error(Errc::refused, "the drones on " + node_ + " need a Slurm allocation, and this shell has none",
                     "run hivectl up inside salloc or an sbatch script");
-    std::ranges::move(drones, std::back_inserter(waiting_));
+    Engine::begin(std::move(drones), until);
 }
 
 std::vector<Engine::Report> SlurmEngine::poll()
@@ -213,7 +210,7 @@ std::optional<Engine::Report> SlurmEngine::look(Step& step) const
         for (int attempt = 0; attempt < port_tries; ++attempt)
             if (const int port = port_of(job_, name, attempt); reachable(address_, port))
                 return place_of(name, port);  // a killed hivectl had started it
-    return Report{.drone = name, .error = not_ready(name, *status, step.process.last_words(step_log_lines))};
+    return Report{.drone = name, .error = not_ready(name, *status, step.process.last_words())};
 }
 
 Engine::Report SlurmEngine::place_of(const std::string& drone, int port) const
@@ -244,7 +241,7 @@ std::vector<std::string> SlurmEngine::steps_named(const std::vector<std::string>
 std::vector<SwarmFailure> SlurmEngine::stop(const std::vector<std::string>& drones, Clock::time_point)
 {
     const auto meant = [&](const std::string& name) { return std::ranges::find(drones, name) != drones.end(); };
-    std::erase_if(waiting_, [&](const SwarmDrone& drone) { return meant(drone.name); });
+    forget_waiting(drones);
     std::vector<std::string> ours;
     std::ranges::copy_if(adopted_, std::back_inserter(ours), meant);
     for (auto& step : steps_)

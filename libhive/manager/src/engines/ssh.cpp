@@ -7,7 +7,6 @@
 #include <hive/transport/key.hpp>
 
 #include <algorithm>
-#include <deque>
 #include <list>
 #include <set>
 
@@ -24,11 +23,6 @@ class SshEngine final : public Engine {
 public:
     SshEngine(const std::string& ssh, const std::filesystem::path& home) : ssh_(ssh), remote_(ssh, home) {}
 
-    void begin(std::vector<SwarmDrone> drones, Clock::time_point until) override
-    {
-        std::ranges::move(drones, std::back_inserter(waiting_));
-        until_ = until;
-    }
     std::vector<Report> poll() override;
     [[nodiscard]] std::vector<int> descriptors() override;
     void adopt(const std::vector<std::string>& drones) override { begun_.insert(drones.begin(), drones.end()); }
@@ -49,10 +43,8 @@ private:
     std::string ssh_;
     Remote remote_;
     std::string address_;  ///< of the machine; empty: not known yet
-    std::deque<SwarmDrone> waiting_;
     std::list<SshSession> starts_;
     SilentDrones silent_{remote_};
-    Clock::time_point until_{};    ///< deadline for all to be ready
     std::set<std::string> begun_;  ///< that this engine may have started
     bool connected_ = false;       ///< the first session has opened the connection that the others share
 };
@@ -216,7 +208,7 @@ void SshEngine::await_starts(Clock::time_point until)
 std::vector<SwarmFailure> SshEngine::stop(const std::vector<std::string>& drones, Clock::time_point until)
 {
     std::set<std::string> meant(drones.begin(), drones.end());
-    std::erase_if(waiting_, [&](const SwarmDrone& drone) { return meant.contains(drone.name); });
+    forget_waiting(drones);
     await_starts(until);
     std::erase_if(meant, [&](const std::string& name) { return !begun_.contains(name); });
     if (meant.empty())

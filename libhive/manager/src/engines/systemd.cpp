@@ -10,7 +10,6 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <deque>
 #include <map>
 #include <sstream>
 #include <utility>
@@ -21,8 +20,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr std::ptrdiff_t units_at_once = 32;  ///< started and not yet reachable
-constexpr std::size_t journal_lines = 15;
-constexpr auto start_timeout = 310s;  ///< of systemd-run, which waits for TimeoutStartSec
+constexpr auto start_timeout = 310s;          ///< of systemd-run, which waits for TimeoutStartSec
 constexpr auto min_systemctl_time = 3s,
                max_systemctl_time = 30s;  ///< per call of systemctl, whatever is left of the verb's time
 constexpr auto pause_between_looks = 200ms;
@@ -33,11 +31,6 @@ class SystemdEngine final : public Engine {
 public:
     explicit SystemdEngine(std::filesystem::path home) : home_(std::move(home)) {}
 
-    void begin(std::vector<SwarmDrone> drones, Clock::time_point until) override
-    {
-        std::ranges::move(drones, std::back_inserter(waiting_));
-        until_ = until;
-    }
     std::vector<Report> poll() override;
     [[nodiscard]] std::vector<int> descriptors() override;
     void look_again(const std::string& drone, const Error& why) override;
@@ -66,8 +59,6 @@ private:
                                                const Properties& known) const;
 
     event::Home home_;
-    Clock::time_point until_{};  ///< deadline of the last begin()
-    std::deque<SwarmDrone> waiting_;
     std::map<std::string, Unit> units_;
     std::optional<RunningCommand> systemctl_;  ///< one call for all drones of asked_: show, or then reset-failed
     std::vector<std::string> asked_;
@@ -302,14 +293,13 @@ std::optional<Error> SystemdEngine::failure(const std::string& drone, const Unit
     if (code == 0 || (loaded && !unit.refused))
         return unit.refused;
     constexpr int exited = 1;  // CLD_EXITED; otherwise the status is a signal
-    return not_ready(drone, code == exited ? status << 8 : status, unit.log.last_lines(journal_lines));
+    return not_ready(drone, code == exited ? status << 8 : status, unit.log.last_lines());
 }
 
 /// Leaves units of another home alone.
 std::vector<SwarmFailure> SystemdEngine::stop(const std::vector<std::string>& drones, Clock::time_point until)
 {
-    const auto meant = [&](const SwarmDrone& drone) { return std::ranges::find(drones, drone.name) != drones.end(); };
-    std::erase_if(waiting_, meant);
+    forget_waiting(drones);
     std::vector<std::string> begun, loaded;
     std::ranges::copy_if(drones, std::back_inserter(begun), [&](const auto& name) { return units_.contains(name); });
     for (const auto& name : begun)
