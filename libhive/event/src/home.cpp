@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cstring>
 #include <fstream>
+#include <set>
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -82,14 +83,23 @@ transport::Address Home::address(const std::string& name) const
 
 std::vector<std::string> Home::names() const
 {
-    std::vector<std::string> names;
+    std::set<std::string> names;
     std::error_code ignored;
-    for (const auto& entry : fs::directory_iterator(directory_, ignored))
-        if (entry.path().extension() == ".sock" && is_name(entry.path().stem().string()))
-            names.push_back(entry.path().stem().string());
-    std::ranges::sort(names);
-    return names;
+    for (const auto& entry : fs::directory_iterator(directory_, ignored)) {
+        const auto name = entry.path().stem().string();
+        const auto ending = entry.path().extension();
+        // Between the sockets of two processes, a drone that is being replaced has only its state. If the second one
+        // appeared since the directory was read, the succession may be over.
+        const bool has_socket =
+            ending == ".sock" || (ending == ".state" && (succession(name) || fs::exists(path(name, ".sock"), ignored)));
+        if (has_socket && is_name(name))
+            names.insert(name);
+    }
+    return {names.begin(), names.end()};
 }
+
+/// Checks the name twice: a replace may have ended between the first two checks.
+bool Home::runs(const std::string& name) const { return alive(name) || succession(name) || alive(name); }
 
 bool Home::alive(const std::string& name) const { return locked(name, name_ending); }
 bool Home::succession(const std::string& name) const { return locked(name, succession_ending); }

@@ -107,7 +107,7 @@ bool Application::Core::remembers(const std::string& drone) const
 {
     std::error_code ignored;
     // In this order: a stopping drone discards its state first, then releases its name.
-    return is_name(drone) && !directory.home().alive(drone) && std::ranges::any_of(left_by_crash, [&](auto ending) {
+    return is_name(drone) && !directory.home().runs(drone) && std::ranges::any_of(left_by_crash, [&](auto ending) {
                return std::filesystem::exists(directory.home().path(drone, ending), ignored);
            });
 }

@@ -22,8 +22,8 @@ public:
     }
     [[nodiscard]] std::vector<Place> places_of(const std::string& drone) const override
     {
-        if (!is_name(drone) || !(home_.alive(drone) || home_.succession(drone) || home_.alive(drone)))
-            return {};  // twice: a replace may have ended between the first two checks
+        if (!is_name(drone) || !home_.runs(drone))
+            return {};
         return {{.drone = drone, .host = Place::here, .address = to_text(home_.address(drone))}};
     }
 

@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 
 #include <fstream>
+#include <optional>
 #include <unistd.h>
 
 namespace hive {
@@ -134,6 +135,21 @@ TEST_CASE("directory: a name alone means the one drone that has it, wherever it 
     for (const auto* nobody : {"gesture", "face@cam1", "camera@local", "camera@", "@cam1", ""})
         CHECK_MESSAGE(address_found(directory, nobody).empty(), nobody);
     CHECK(directory.names() == std::vector<std::string>{"camera", "face"});
+}
+
+TEST_CASE("directory: a drone that is being replaced is found between the sockets of the two processes")
+{
+    const FreshHome home;
+    Directory directory(home.path());
+    const auto& here = directory.home();
+    here.write_state("face", Json::object());
+    std::optional<event::NameClaim> successor(std::in_place, here, "face", event::NameClaim::To::succession);
+    CHECK(directory.names() == std::vector<std::string>{"face"});
+    CHECK(address_found(directory, "face").starts_with("unix:/"));
+    successor.reset();
+    CHECK(directory.names().empty());
+    const event::NameClaim swarm(here, "work.swarm", event::NameClaim::To::succession);  // of a waiting up
+    CHECK(directory.names().empty());
 }
 
 TEST_CASE("directory: where several have a name it is refused alone, and each is called by its host, or host and port")

@@ -23,13 +23,15 @@ public:
 
     [[nodiscard]] const std::filesystem::path& directory() const noexcept { return directory_; }
     [[nodiscard]] transport::Address address(const std::string& name) const;
-    /// Names that have a socket here, sorted; a socket may be stale.
+    /// Names that have a socket here, sorted, or are just being taken over; a socket may be stale.
     [[nodiscard]] std::vector<std::string> names() const;
 
     /// Does a running module hold this name? Asks the kernel for the lock, not the module.
     [[nodiscard]] bool alive(const std::string& name) const;
     /// Does a process wait to take this name over from its holder?
     [[nodiscard]] bool succession(const std::string& name) const;
+    /// Does either hold? So a drone that is being replaced runs all the time.
+    [[nodiscard]] bool runs(const std::string& name) const;
     /// The last process that claimed the name, or its succession; it may have ended. 0: none did.
     [[nodiscard]] std::int64_t holder(const std::string& name) const;
     [[nodiscard]] std::int64_t successor(const std::string& name) const;
