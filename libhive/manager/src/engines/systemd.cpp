@@ -21,8 +21,9 @@ using namespace std::chrono_literals;
 
 constexpr std::ptrdiff_t units_at_once = 32;  ///< started and not yet reachable
 constexpr auto start_timeout = 310s;          ///< of systemd-run, which waits for TimeoutStartSec
-constexpr auto min_systemctl_time = 3s,
-               max_systemctl_time = 30s;  ///< per call of systemctl, whatever is left of the verb's time
+constexpr auto min_systemctl_time = 3s;
+constexpr auto max_systemctl_time = 30s;  ///< per call, whatever is left of the verb's time
+constexpr auto report_time = 1s;          ///< for a missing answer to be the reason, and not the deadline
 constexpr auto pause_between_looks = 200ms;
 
 using Properties = std::map<std::string, std::string>;
@@ -149,7 +150,7 @@ void SystemdEngine::call_systemctl(std::vector<Report>& reports)
         asked_.push_back(waiting_[i].name);
     try {
         if (!asked_.empty())
-            systemctl_.emplace(show_words(asked_), systemctl_time(until_));
+            systemctl_.emplace(show_words(asked_), systemctl_time(until_ - report_time));
     } catch (const Error& error) {
         fail(asked_, error, reports);
     }
@@ -182,9 +183,8 @@ try {
     }
     if (loaded.empty())
         return start_checked(next, reports);
-    asked_ = std::move(next);
-    systemctl_.emplace(systemctl_words({"reset-failed"}, loaded),
-                       systemctl_time(until_));  // an earlier run has left them
+    asked_ = std::move(next);  // an earlier run has left some failed units
+    systemctl_.emplace(systemctl_words({"reset-failed"}, loaded), systemctl_time(until_ - report_time));
     is_reset_ = true;
 } catch (const Error& error) {
     fail(asked_, error, reports);
