@@ -49,6 +49,8 @@ def main():
         sent_before, before = run(binaries, variant, test, short)
         sent, after = run(binaries, variant, test, longer)
         each = {name: (after[role] - before[role]) / (sent - sent_before) for role, name in roles.items()}
+        if min(each.values()) <= 0:
+            sys.exit(f"{row}: no count: {each}")
         ends = ", ".join(f"{name} {count:,.0f}" for name, count in each.items())
         print(f"{row}: {sum(each.values()):,.0f} instructions ({ends})", flush=True)
 

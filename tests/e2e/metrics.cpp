@@ -218,7 +218,7 @@ TEST_CASE("metrics: within one run of a drone no counter goes back, while connec
 TEST_CASE("metrics: while drones are replaced each scrape has all of them, and a counter goes back only with its drone")
 {
     Busy busy;
-    const Scraped scraped(busy.swarm);
+    const Scraped scraped(busy.swarm, {"--timeout", "9"});
     const auto replace = [&](const std::string& drone) {
         return busy.swarm.hivectl_running({"replace", drone, "--timeout", "50"}, "replace");
     };

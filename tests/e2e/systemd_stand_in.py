@@ -150,7 +150,8 @@ def main():
         sys.exit("Failed to connect to bus: No medium found")
     if sys.argv[0].endswith("systemd-run"):
         return run(sys.argv[2:])
-    if (STATE / "hang").exists() and any(read(file.stem)["active"] == "failed" for file in STATE.glob("*.state")):
+    states = [read(file.stem) for file in STATE.glob("*.state")]
+    if (STATE / "hang").exists() and any(state["active"] == "failed" or state["failed_start"] for state in states):
         time.sleep(100)
     units = [word for word in sys.argv[3:] if not word.startswith("--")]
     {"stop": stop, "show": show, "is-active": is_active, "reset-failed": reset_failed}[sys.argv[2]](units)

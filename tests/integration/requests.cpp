@@ -35,18 +35,18 @@ public:
         auto peer = listener_.accept(within(3000));
         REQUIRE(peer);
         peer->send(raw::hello_packet("ticker", "ticker"));
-        REQUIRE(peer->next_of(raw::hello, within(1000)));
+        REQUIRE(peer->next_of(raw::hello, within(3000)));
         peer_.emplace(std::move(*peer));
     }
     void skip(int registrations)
     {
         for (int i = 0; i < registrations; ++i)
-            REQUIRE(peer_->next_of(raw::register_, within(1000)));
+            REQUIRE(peer_->next_of(raw::register_, within(3000)));
     }
     /// The next registration.
     void confirm(int window)
     {
-        const auto registration = peer_->next_of(raw::register_, within(1000));
+        const auto registration = peer_->next_of(raw::register_, within(3000));
         REQUIRE(registration);
         CHECK(registration->json().at("options").value("window", 1) == window);
         const Json result{{"type", "*/*"}, {"kind", "ticker"}, {"epoch", 1}};

@@ -87,12 +87,14 @@ std::vector<std::string> Home::names() const
     std::error_code ignored;
     for (const auto& entry : fs::directory_iterator(directory_, ignored)) {
         const auto name = entry.path().stem().string();
+        if (!is_name(name))
+            continue;
         const auto ending = entry.path().extension();
         // Between the sockets of two processes, a drone that is being replaced has only its state. If the second one
         // appeared since the directory was read, the succession may be over.
-        const bool has_socket =
+        const bool listed =
             ending == ".sock" || (ending == ".state" && (succession(name) || fs::exists(path(name, ".sock"), ignored)));
-        if (has_socket && is_name(name))
+        if (listed)
             names.insert(name);
     }
     return {names.begin(), names.end()};

@@ -12,7 +12,8 @@ using protocol::PacketType;
 
 namespace {
 
-constexpr std::size_t most_shown = 400;  // of an error in the status, which has a row per input
+constexpr std::int64_t no_generation = -1;  // of an event that is not requested, and not acknowledged
+constexpr std::size_t most_shown = 400;     // of an error in the status, which has a row per input
 
 std::string text_of(const Error& error) { return error.what() + (error.advice().empty() ? "" : "; " + error.advice()); }
 
@@ -78,6 +79,8 @@ void Intake::require_own(const Event& event) const
                                          + " (" + event.kind + ") on the channel of its " + spec_.output);
 }
 
+/// A large event may arrive after the confirmation of the connection that replaces this one. If it is lossless, neither
+/// it nor what follows is acknowledged, so the sender sends it over the other connection when this one has left.
 void Intake::on_packet(const protocol::Packet& packet)
 {
     if (packet.type == PacketType::end)
@@ -94,8 +97,10 @@ void Intake::on_packet(const protocol::Packet& packet)
     event.identity.offset_us = std::clamp(offset, -max_json_integer, max_json_integer);  // both are a peer's word
     age_us_ = std::clamp<std::int64_t>(event.age().count(), -max_json_integer, max_json_integer);
     event.input = spec_.input;
-    event.ticket = ticket(progress_.generation(), note_share(event));
-    if (refuses_now())
+    const bool refused = refuses_now();
+    unacknowledged_ = unacknowledged_ || (refused && spec_.options.group.empty() && event.identity.lossless);
+    event.ticket = unacknowledged_ ? ticket(no_generation, 0) : ticket(progress_.generation(), note_share(event));
+    if (refused)
         conclude(event, Ending::discarded);
     else
         sink_(std::move(event));
@@ -104,7 +109,6 @@ void Intake::on_packet(const protocol::Packet& packet)
 void Intake::accept(Event event)
 {
     ++received_;
-    constexpr std::int64_t no_generation = -1;  // no sender to request from or to acknowledge to
     event.ticket = ticket(no_generation, 0);
     sink_(std::move(event));
 }

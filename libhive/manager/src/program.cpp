@@ -143,12 +143,26 @@ Interface interface_of(const std::string& kind, std::chrono::milliseconds limit)
     }
 }
 
+namespace {
+
+/// The running drone has the absolute path; this one may be relative to a directory of another machine.
+bool is_same_file(const std::string& running, const std::string& kind)
+{
+    const auto path = fs::path(kind).lexically_normal();
+    fs::path end;  // after any leading ".."
+    for (const auto& part : path.relative_path())
+        if (part != "..")
+            end /= part;
+    return running == path || running == fs::absolute(path).lexically_normal()
+           || (path.is_relative() && running.ends_with("/" + end.string()));
+}
+
+}  // namespace
+
 bool is_of_kind(const Status& running, const std::string& kind)
 {
     if (running.order && !running.order->kind.empty())
-        return running.order->kind == kind
-               || (is_python_file(kind)
-                   && running.order->kind.ends_with("/" + fs::path(kind).lexically_normal().string()));
+        return running.order->kind == kind || (is_python_file(kind) && is_same_file(running.order->kind, kind));
     return running.kind == kind || (is_python_file(kind) && interface_of(kind).kind == running.kind);
 }
 

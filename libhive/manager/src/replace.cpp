@@ -175,7 +175,7 @@ Started replace(Application& application, StartOptions options)
     if (started.found && !order.set.empty())
         application.set(order.name, order.set);
     if (before > 0)
-        started.before = before;  // else hivectl on its machine has told
+        started.before = before;  // otherwise reported by the hivectl there
     return started;
 }
 

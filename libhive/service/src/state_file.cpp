@@ -122,8 +122,10 @@ Json StateFile::state() const
         subscribers.push_back(subscriber_json(subscriber));
     Json connections = Json::array();
     for (const auto& intake : module_.intakes())
-        if (!intake->spec().output.empty())
-            connections.push_back(connection_json(intake->spec()));
+        if (auto spec = intake->spec(); !spec.output.empty()) {
+            spec.options = intake->confirmed_options();
+            connections.push_back(connection_json(spec));
+        }
     Json state = listening_.saved();
     state.update({{"kind", declaration_.interface.kind},
                   {"epoch", module_.self().epoch},

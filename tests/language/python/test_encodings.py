@@ -24,7 +24,7 @@ class Encodings(World):
     def images(self):
         self.camera(
             "image/raw,image/jpeg,image/png",
-            hive.pictures(),
+            hive.images(),
             lambda output: output.emit_captured_image(COLOUR, {"n": 1}, lossless=True),
         )
 
@@ -92,7 +92,7 @@ class Encodings(World):
 
     def test_what_cannot_be_declared_is_refused(self):
         drone = hive.Drone("camera", embedded=True)
-        self.refused("invalid_argument", hive.pictures, "tiff")
+        self.refused("invalid_argument", hive.images, "tiff")
         for word in ("", "a b", "x:1"):
             self.refused("invalid_argument", drone.output, "x", "a/b", encodings=[hive.Encoding(word, "a/b", bytes)])
 

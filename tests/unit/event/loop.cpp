@@ -75,7 +75,7 @@ TEST_CASE(
     CHECK_FALSE(loop.has_turn());
 }
 
-TEST_CASE("loop: what is left alone for longer than the timeout is run by the network thread, and the turn comes back")
+TEST_CASE("loop: what is left alone for longer than idle_timeout is run by the network thread, and the turn comes back")
 {
     Running running;
     for (int i = 0; i < 20; ++i) {

@@ -121,10 +121,24 @@ TEST_CASE("shared: an event is not given up while a member that leaves still wor
     workers.offer(2);
     workers.leave(2);
     CHECK(workers.failed == Sequences{2});
-    workers.done(1, 1, 2);
-    CHECK(workers.went(Fate::acknowledged) == 1);
-    workers.leave(1);
-    CHECK(workers.failed == Sequences{2});
+    SUBCASE("and acknowledges it")
+    {
+        workers.done(1, 1, 2);
+        CHECK(workers.went(Fate::acknowledged) == 1);
+        workers.leave(1);
+        CHECK(workers.failed == Sequences{2});
+    }
+    SUBCASE("and leaves without an answer")
+    {
+        workers.leave(1);
+        CHECK(workers.failed == Sequences{2, 1});
+    }
+    SUBCASE("and crashes: it may have answered")
+    {
+        workers.lose(1);
+        CHECK(workers.failed == Sequences{2});
+        CHECK(workers.subscription.why() == Reason::group_awaited);
+    }
     CHECK(workers.all_balanced());
 }
 

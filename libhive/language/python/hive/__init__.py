@@ -43,7 +43,7 @@ from ._library import default_home, protocol_version, version as __version__
 from .application import Application
 from .collector import Collector, Counts, MatchedCollector, Results, SetCounts
 from .drone import Drone
-from .encoding import Encoding, pictures
+from .encoding import Encoding, images
 from .event import Event, Hop, Share
 from .output import Output
 from .parameter import Matching, Parameter
@@ -74,7 +74,7 @@ __all__ = [
     "SwarmError",
     "SwarmFileError",
     "default_home",
-    "pictures",
+    "images",
     "protocol_version",
 ]
 

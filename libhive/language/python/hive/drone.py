@@ -195,10 +195,10 @@ class Drone(Callbacks):
             machines unless a connection asks for another; ``type`` names their types too.  Events are emitted as they
             are at hand, and encoded when somebody wants it, once for all who do, on a thread beside the one that runs
             the drone.  What an encoding raises is an exception of the drone, and the event travels as it was emitted.
-            Of images: :func:`hive.pictures`.
+            Of images: :func:`hive.images`.
         """
         _types("output " + require_text("the name of an output", name), type)
-        require_list("encodings", encodings, "hive.pictures()")
+        require_list("encodings", encodings, "hive.images()")
         if not encodings:
             return Output(
                 ask_handle(lib.hive_drone_output, self._handle, encoded(name), encoded(type), encoded(require_text("help", help))), name

@@ -29,10 +29,10 @@ class Encoding(NamedTuple):
         return {name: value for name, value in declared.items() if value is not None}
 
 
-def pictures(*words: str) -> list[Encoding]:
+def images(*words: str) -> list[Encoding]:
     """The image encodings, for outputs whose events are emitted by ``emit_image``::
 
-        drone.output("image", "image/raw,image/jpeg,image/png", encodings=hive.pictures())
+        drone.output("image", "image/raw,image/jpeg,image/png", encodings=hive.images())
 
     :param words: of "jpeg" (quality 80, or "jpeg:1" to "jpeg:100"), "png" and "raw", the preferred one first: it is
         used for other machines unless a connection requests another.  None: all, in this order.

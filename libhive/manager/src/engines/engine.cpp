@@ -26,18 +26,6 @@ try {
 
 }  // namespace
 
-void Engine::begin(std::vector<SwarmDrone> drones, Clock::time_point until)
-{
-    std::ranges::move(drones, std::back_inserter(waiting_));
-    until_ = until;
-}
-
-void Engine::forget_waiting(const std::vector<std::string>& drones)
-{
-    std::erase_if(waiting_,
-                  [&](const SwarmDrone& drone) { return std::ranges::find(drones, drone.name) != drones.end(); });
-}
-
 std::vector<SwarmFailure> stop_all(const std::map<Engine*, std::vector<std::string>>& drones,
                                    Engine::Clock::time_point until)
 {

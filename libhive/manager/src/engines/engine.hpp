@@ -34,7 +34,11 @@ public:
 
     virtual ~Engine() = default;
     /// Queues these drones, to be ready by then; poll() starts them a few at a time.
-    virtual void begin(std::vector<SwarmDrone> drones, Clock::time_point until);
+    virtual void begin(std::vector<SwarmDrone> drones, Clock::time_point until)
+    {
+        std::ranges::move(drones, std::back_inserter(waiting_));
+        until_ = until;
+    }
     /// New reports since the last call: one per drone of begin().
     virtual std::vector<Report> poll() = 0;
     /// One of these descriptors is readable when poll() may have a new report. Without any, poll() must be called
@@ -55,11 +59,15 @@ public:
     virtual std::vector<SwarmFailure> stop(const std::vector<std::string>& drones, Clock::time_point until) = 0;
 
 protected:
-    /// Leaves these of begin() unstarted.
-    void forget_waiting(const std::vector<std::string>& drones);
+    /// Removes queued drones.
+    void forget_waiting(const std::vector<std::string>& drones)
+    {
+        std::erase_if(waiting_,
+                      [&](const SwarmDrone& drone) { return std::ranges::find(drones, drone.name) != drones.end(); });
+    }
 
     std::deque<SwarmDrone> waiting_;  ///< of begin(), not started yet
-    Clock::time_point until_{};       ///< that of the last begin()
+    Clock::time_point until_{};       ///< deadline of the last begin()
 };
 
 /// @param host  the machine's name in the plan

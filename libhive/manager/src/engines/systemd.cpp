@@ -22,8 +22,9 @@ using namespace std::chrono_literals;
 constexpr std::ptrdiff_t units_at_once = 32;  ///< started and not yet reachable
 constexpr auto start_timeout = 310s;          ///< of systemd-run, which waits for TimeoutStartSec
 constexpr auto min_systemctl_time = 3s;
+constexpr auto min_stop_time = 10s;       ///< of systemctl stop, which waits until the drones have exited
 constexpr auto max_systemctl_time = 30s;  ///< per call, whatever is left of the verb's time
-constexpr auto report_time = 1s;          ///< for a missing answer to be the reason, and not the deadline
+constexpr auto report_time = 1s;          ///< so that a missing answer is reported before the deadline
 constexpr auto pause_between_looks = 200ms;
 
 using Properties = std::map<std::string, std::string>;
@@ -183,7 +184,8 @@ try {
     }
     if (loaded.empty())
         return start_checked(next, reports);
-    asked_ = std::move(next);  // an earlier run has left some failed units
+    asked_ = std::move(next);
+    // An earlier run has left some failed units.
     systemctl_.emplace(systemctl_words({"reset-failed"}, loaded), systemctl_time(until_ - report_time));
     is_reset_ = true;
 } catch (const Error& error) {
@@ -305,20 +307,20 @@ std::vector<SwarmFailure> SystemdEngine::stop(const std::vector<std::string>& dr
     for (const auto& name : begun)
         units_.at(name).start.reset();
     std::optional<Error> failed;
-    const auto call = [&](const std::vector<std::string>& words) {
-        auto result = run_command(words, systemctl_time(until));
+    const auto call = [&](const std::vector<std::string>& words, std::chrono::milliseconds at_least) {
+        auto result = run_command(words, std::max(systemctl_time(until), at_least));
         if (result.late)
             throw no_answer();
         return result.out;
     };
     try {
-        auto known = units_in(begun.empty() ? "" : call(show_words(begun)));
+        auto known = units_in(begun.empty() ? "" : call(show_words(begun), min_systemctl_time));
         std::ranges::copy_if(begun, std::back_inserter(loaded), [&](const auto& name) {
             return known[unit_name(name)]["Description"] == description(name);
         });
         for (const auto* verb : {"stop", "reset-failed"})  // a failed unit would stay loaded
             if (!loaded.empty())
-                call(systemctl_words({verb}, loaded));
+                call(systemctl_words({verb}, loaded), min_stop_time);
     } catch (const Error& error) {
         failed = error;
     }

@@ -68,6 +68,8 @@ public:
     void stop(std::function<void()> left = [] {});
     /// After stop(): no longer waits for work in progress; its sender may dispatch it to others.
     void leave_now();
+    /// The options that the sender has confirmed.
+    [[nodiscard]] const ConnectionOptions& confirmed_options() const { return before_ ? *before_ : spec_.options; }
     void acknowledge_held();
     /// Another process continues at this place: the sender gets the acknowledgements but no end, and sends the rest to
     /// that process. After this nothing is acknowledged.
@@ -168,8 +170,9 @@ private:
 
     std::int64_t sender_epoch_ = 0;
     InputProgress progress_;
-    bool of_member_ = false;      ///< the last event was work of a group to which the sender belongs
-    bool sender_leaves_ = false;  ///< it said that it is being stopped
+    bool of_member_ = false;       ///< the last event was work of a group to which the sender belongs
+    bool sender_leaves_ = false;   ///< it said that it is being stopped
+    bool unacknowledged_ = false;  ///< what arrives is discarded, and the sender is not told
 
     std::optional<Share> group_;  ///< its standing
     std::int64_t received_ = 0, age_us_ = 0;
