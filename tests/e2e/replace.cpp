@@ -5,6 +5,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
 #include <fstream>
 #include <random>
 #include <set>
@@ -401,8 +402,8 @@ TEST_CASE("replace: of two with --force, at once or one second apart, no new pro
         auto one = swarm.hivectl_running(words, "one");
         std::this_thread::sleep_for(apart);  // the first one kills while the second one waits for an answer
         auto two = swarm.hivectl_running(words, "two");
-        std::vector<std::pair<int, std::string>> ends{{one.wait(patient(long_timeout)).value_or(-1), swarm.log("one")}};
-        ends.emplace_back(line.take_until_ended(two), swarm.log("two"));
+        const int first = one.wait(patient(long_timeout)).value_or(-1), second = line.take_until_ended(two);
+        std::array ends{std::pair(first, swarm.log("one")), std::pair(second, swarm.log("two"))};
         const auto kills = [&](const auto& end) {
             return end.first == 0 && Json::parse(end.second).at("before") == hanging;
         };
@@ -414,8 +415,8 @@ TEST_CASE("replace: of two with --force, at once or one second apart, no new pro
             CHECK_MESSAGE((has(ends[1].second, "is being replaced already") || has(ends[1].second, "is running already")
                            || has(ends[1].second, "is not running")),
                           ends[1].second);
-        else if (const auto second = Json::parse(ends[1].second); second.at("pid") != told.at("pid"))
-            CHECK(second.at("before") == told.at("pid"));  // it answered, and handed over
+        else if (const auto other = Json::parse(ends[1].second); other.at("pid") != told.at("pid"))
+            CHECK(other.at("before") == told.at("pid"));  // it answered, and handed over
         check_one_is_left(line, files);
     }
 }
