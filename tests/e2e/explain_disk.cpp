@@ -138,6 +138,7 @@ TEST_CASE("replace: a recorder whose disk is full: each event is in a recording,
     };
     // While the recorder is replaced, a live source may skip events.
     const auto sent = edge().events.total() - edge().events.of(hive::Fate::skipped);
-    CHECK_MESSAGE(eventually([&] { return recorded_or_lost() == sent; }), recorded_or_lost(), " of ", sent);
+    CHECK_MESSAGE(eventually([&] { return recorded_or_lost() == sent; }), recorded_or_lost(), " of ", sent,
+                  swarm.hivectl({"connections", "--json"}).out);
     CHECK(lost > 10);
 }
