@@ -6,9 +6,11 @@
 #include <hive/process.hpp>
 #include <hive/swarm.hpp>
 
+#include <algorithm>
 #include <chrono>
 #include <deque>
 #include <filesystem>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <optional>
