@@ -30,7 +30,7 @@ public:
     [[nodiscard]] bool alive(const std::string& name) const;
     /// Does a process wait to take this name over from its holder?
     [[nodiscard]] bool succession(const std::string& name) const;
-    /// Does either hold? So a drone that is being replaced runs all the time.
+    /// True while a process has the name or waits to take it over: a drone that is being replaced runs all the time.
     [[nodiscard]] bool runs(const std::string& name) const;
     /// The last process that claimed the name, or its succession; it may have ended. 0: none did.
     [[nodiscard]] std::int64_t holder(const std::string& name) const;
