@@ -66,7 +66,7 @@ inline Found found(const Shell& shell, const std::string& words)
     return found;
 }
 
-/// Tells explain_count.py which cause was injected, and which one hivectl explain named first.
+/// Notes for explain_count.py which cause was injected, and which one hivectl explain named first.
 /// @param injected  "halted source"
 /// @param first     the first explanation after that which has a cause
 inline void count(const std::string& injected, const Found& first)

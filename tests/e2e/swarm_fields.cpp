@@ -91,7 +91,7 @@ TEST_CASE("up: each field that a file changes runs as in a swarm that is started
         contents.push_back(*one);
         contents.push_back(Json::object());  // removed again
     }
-    for (auto one = fields.begin(); one != fields.end(); ++one)
+    for (auto one = fields.begin(); !sanitized() && one != fields.end(); ++one)
         for (auto other = std::next(one); other != fields.end(); ++other) {
             contents.push_back(*one);
             contents.back().update(*other);
