@@ -78,11 +78,11 @@ std::int64_t InputProgress::allowed(std::int64_t ask, std::int64_t worked) const
 }
 
 /// Is there a report that cannot go with a later request? @param more  the report lets the sender deliver more
-bool InputProgress::urgent(std::int64_t worked, bool more) const
+/// @param waits  an event is being processed, and its end will be reported
+bool InputProgress::urgent(std::int64_t worked, bool more, bool waits) const
 {
     if (!back_.empty())
         return true;
-    const bool waits = !all_worked();  // an event is being processed, and its end will be reported
     if (options_.transfer == Transfer::streaming)
         return (done_ > told_.done || worked > told_.worked || more)
                && (!waits || lossless_ || worked - told_.worked >= told_at_least);
@@ -96,7 +96,8 @@ std::optional<Request> InputProgress::news(bool may_ask)
     const bool tells = (may_ask && unprocessed_before_ == 0) || options_.transfer != Transfer::streaming;
     const auto worked = tells ? worked_ : std::max(told_.worked, done_);
     const bool more = tells && allowed(ask, worked) > allowed_;
-    return urgent(worked, more) ? std::optional(tell(ask, worked)) : std::nullopt;
+    const bool waits = may_ask && !all_worked();  // else what is left is held up
+    return urgent(worked, more, waits) ? std::optional(tell(ask, worked)) : std::nullopt;
 }
 
 std::optional<Request> InputProgress::last_news()

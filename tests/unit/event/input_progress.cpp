@@ -107,4 +107,25 @@ TEST_CASE("input progress: while it may not ask, what it has processed and not a
     CHECK(input.allows(true));
 }
 
+TEST_CASE("input progress: a halted receiver reports the end of an event at once, since that of the next may be long "
+          "in coming")
+{
+    for (const auto& options : {streaming(), window(3)}) {
+        InputProgress input;
+        CHECK_FALSE(input.begin(1, options, 5, 0, 0));
+        for (int i = 0; i < 3; ++i)
+            input.receive(false, 0);
+        input.heard(input.generation(), 1, true, false, false);
+        const auto before = input.news(true);
+        CHECK(before.has_value() == (options.transfer != Transfer::streaming));
+        CHECK_FALSE(input.news(false));
+        input.heard(input.generation(), 1, false, true, false);
+        CHECK_FALSE(input.news(true));  // it goes with the next
+        const auto news = input.news(false);
+        REQUIRE(news);
+        CHECK(news->done == 1);
+        CHECK_FALSE(input.news(false));
+    }
+}
+
 }  // namespace hive::event

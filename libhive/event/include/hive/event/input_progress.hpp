@@ -71,7 +71,7 @@ private:
     };
     [[nodiscard]] Delivery* delivery(std::int64_t number);
     [[nodiscard]] std::int64_t allowed(std::int64_t ask, std::int64_t worked) const;
-    [[nodiscard]] bool urgent(std::int64_t worked, bool more) const;
+    [[nodiscard]] bool urgent(std::int64_t worked, bool more, bool waits) const;
     protocol::Request tell(std::int64_t ask, std::int64_t worked);
 
     ConnectionOptions options_;
