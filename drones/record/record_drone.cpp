@@ -216,8 +216,9 @@ void RecordDrone::close(const std::string& how)
     if (!writer_)
         return;
     count_dropped();
-    if (how == "stopped")
-        if (const auto waiting = queued(drone_.status()); waiting > 0 && writer_->ended().empty())
+    const bool was_to_record = writer_->ended().empty() || !writer_->failure().empty();  // no limit was reached
+    if (how == "stopped" && was_to_record)
+        if (const auto waiting = queued(drone_.status()); waiting > 0)
             writer_->lost("*", "still waiting when the drone was stopped", waiting);
     finish(*writer_, writes_, how);
     writer_.reset();

@@ -165,17 +165,21 @@ void DroneCore::finish()
     ended();
 }
 
+/// A handover ends the connections in the turn of the last count, so that every event that arrived is in it.
 void DroneCore::ended()
 {
-    last_status_ = status();
-    if (board_.handing_over()) {
+    const bool hands_over = board_.handing_over();
+    if (hands_over)
         running_->module.settle();
-        running_->module.call([this] {
-            board_.handed_over();
-            running_->module.hand_over();
-        });
+    running_->module.call([&] {
+        last_status_ = running_->requests.status();
+        if (!hands_over)
+            return;
+        board_.handed_over();
+        running_->module.hand_over();
+    });
+    if (hands_over)
         reporter_.log(LogLevel::info, "replaced by another process");
-    }
     mailbox_.discard([](const Event&) { return true; });
     running_->end();  // not reset(): the network side may still use it
     reporter_.log(LogLevel::info, "stopped");
