@@ -95,10 +95,11 @@ void AcceptLoop::accept_waiting()
     wait();
 }
 
-/// The others wait in the kernel's queue, which does not show their addresses.
+/// The others wait in the kernel's queue, which does not show their addresses. Local peers have none, so all of them
+/// wait there until a slot is free.
 bool AcceptLoop::may_accept() const
 {
-    return listening_.is_open() && (family_ == AF_UNIX ? !admissions_->full() : !waiting_.full());
+    return listening_.is_open() && (family_ == AF_UNIX ? waiting_.size() < admissions_->free() : !waiting_.full());
 }
 
 /// Unauthenticated peers must not keep key holders out: evicts the oldest handshake of the host with the most

@@ -12,7 +12,8 @@ class Admissions : public std::enable_shared_from_this<Admissions> {
 public:
     static constexpr std::size_t most = 64;
 
-    [[nodiscard]] bool full() const { return count_ >= most; }
+    [[nodiscard]] bool full() const { return free() == 0; }
+    [[nodiscard]] std::size_t free() const { return most - count_; }
     /// Admits one more peer; its slot is free again when the last copy of the token is destroyed.
     std::shared_ptr<void> admit();
     /// Called whenever a slot becomes free.

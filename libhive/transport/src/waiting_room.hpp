@@ -26,6 +26,7 @@ public:
     void enter(Peer peer);
     [[nodiscard]] bool full() const { return size_ > most; }
     [[nodiscard]] bool empty() const { return hosts_.empty(); }
+    [[nodiscard]] std::size_t size() const { return size_; }
     /// Has any peer here sent something?
     bool spoken();
     /// Takes the first peer that has sent something, or else any, of the host whose turn it is. The room must not be
