@@ -19,7 +19,7 @@ struct MachineUsage {
     bool memory_limited = false;  ///< `memory` is the limit of a control group
 };
 
-/// Values that the system does not provide are 0.
+/// Values that the system does not provide are 0. The machine's memory is at most 500 ms old.
 [[nodiscard]] ProcessUsage process_usage();
 [[nodiscard]] MachineUsage machine_usage();
 
