@@ -132,8 +132,12 @@ int run(const Options& options, Session& session)
     auto& application = session.application(1s);
     const interrupt::Deferred deferred;
     bool clean = true;
+    std::vector<hive::StatusAnswer> last;
+    constexpr double recent_s = 2;  // a contradiction must last since then
     do {
-        auto audit = hive::audit(application);
+        if (options.interval_s > recent_s)
+            last.clear();
+        auto audit = hive::audit(application, last);
         if (!options.since.empty())
             audit.forget_before(since_us(options.since));
         clean = audit.clean();
@@ -173,12 +177,12 @@ Verb verb()
             "lost_connection, lost_killed and lost_cut_off at the sender, dropped and abandoned at the receiver. Not "
             "promised are events that were skipped because the receiver had not asked, in flight when the receiver "
             "left, unmatched, or discarded by halt.\n\n"
-            "All drones are queried three times. A receiver must have processed, at the second query, at least what "
-            "its sender knew of at the first and at most what the sender had sent at the third; so a running swarm "
-            "causes no false alarm. After a restart, only events that both ends saw are compared. STATE: both ends; "
-            "sender only, if the receiver is an application or does not answer; receiver gone; sender gone; "
-            "closed: FROM is \"closed connections\", and the row has what an input lost in connections that no longer "
-            "exist, or of what hivectl put sent.\n\n"
+            "All drones are queried three times, and with --watch twice in each further table. A receiver must have "
+            "processed, at the last query, at least what its sender knew of at the query before, and at that query at "
+            "most what the sender had sent at the last; so a running swarm causes no false alarm. After a restart, "
+            "only events that both ends saw are compared. STATE: both ends; sender only, if the receiver is an "
+            "application or does not answer; receiver gone; sender gone; closed: FROM is \"closed connections\", and "
+            "the row has what an input lost in connections that no longer exist, or of what hivectl put sent.\n\n"
             "LAST is the age of the last loss, by the clock of the drone that counts it. Counters are those since the "
             "start of a drone and have no history: with --since, a connection whose last loss is older counts as "
             "without loss, and any other with all that it lost.\n\n"

@@ -43,10 +43,14 @@ struct Audit {
 };
 
 /// Queries all drones three times, because their counts are not of one instant: a receiver must have processed at the
-/// second time at least as many events as its sender had acknowledged at the first, and at most as many as the sender
-/// has sent at the third.
+/// third time at least as many events as its sender had acknowledged at the second, and at the second at most as many
+/// as the sender has sent at the third. Whether both ends have the connection must differ all three times.
 Audit audit(Application& application);
-/// The same from three answers of each drone, in their order.
+/// The same repeatedly: queries twice if `last` has the last answers of the call before.
+/// @param last  empty for the first call; gets the last answers
+Audit audit(Application& application, std::vector<StatusAnswer>& last);
+/// The same from three answers of each drone, in their order. A drone that was started after the first is compared by
+/// the other two.
 Audit audit(const std::vector<StatusAnswer>& first, const std::vector<StatusAnswer>& second,
             const std::vector<StatusAnswer>& third);
 

@@ -11,19 +11,21 @@ struct Looks {
     const std::vector<StatusAnswer>&first, &second, &third;
 };
 
-/// One end of a connection in the three answers of a drone; nothing if it did not answer, or was restarted meanwhile.
+/// One end of a connection in the three answers of a drone. The first is null if there was none of this run.
 using Answers = std::array<const Status*, 3>;
 
+/// Nothing if the drone did not answer in the second or third look, or was restarted between them.
 std::optional<Answers> answers_of(const Looks& looks, const std::string& drone)
 {
-    Answers answers{};
-    for (std::size_t i = 0; i < answers.size(); ++i) {
-        const auto& look = i == 0 ? looks.first : i == 1 ? looks.second : looks.third;
+    const auto answer_in = [&](const std::vector<StatusAnswer>& look) {
         const auto found = std::ranges::find(look, drone, &StatusAnswer::drone);
-        if (found == look.end() || found->error || (i > 0 && found->status.epoch != answers[0]->epoch))
-            return std::nullopt;
-        answers[i] = &found->status;
-    }
+        return found == look.end() || found->error ? nullptr : &found->status;
+    };
+    Answers answers{answer_in(looks.first), answer_in(looks.second), answer_in(looks.third)};
+    if (!answers[1] || !answers[2] || answers[1]->epoch != answers[2]->epoch)
+        return std::nullopt;
+    if (answers[0] && answers[0]->epoch != answers[1]->epoch)
+        answers[0] = nullptr;
     return answers;
 }
 
@@ -101,13 +103,17 @@ Started started(const Status& sender, const Status& receiver, const ConnectionEn
             .receiver_first = by_sender_clock + margin < sender.epoch};
 }
 
-/// Compares the counts of both ends. An end has counted all of the other end's events only if it started first.
-void compare_counts(AuditRow& row, const Answers& sender, const Answers& receiver, const InputStatus& input)
+/// Compares what one end counts in the second look with the counts of the other end in the third, which come later. An
+/// end has counted all of the other end's events only if it started first.
+void compare_counts(AuditRow& row, const Answers& sender, const Answers& receiver)
 {
-    const auto before = sent_to(*sender[0], row.ends, input.registration),
-               after = sent_to(*sender[2], row.ends, input.registration);
-    const auto first = started(*sender[0], *receiver[1], row.ends, input);
-    const auto known = dealt_with(*receiver[1], input), worked = input.processed + input.unmatched;
+    const auto *earlier = input_of(*receiver[1], row.ends), *later = input_of(*receiver[2], row.ends);
+    if (!earlier || !later)
+        return;
+    const auto before = sent_to(*sender[1], row.ends, earlier->registration),
+               after = sent_to(*sender[2], row.ends, later->registration);
+    const auto first = started(*sender[1], *receiver[1], row.ends, *earlier);
+    const auto known = dealt_with(*receiver[2], *later), worked = earlier->processed + earlier->unmatched;
     if (first.receiver_first && before.plain <= 1 && before.acknowledged > known)
         row.differences.push_back("the sender counts " + std::to_string(before.acknowledged)
                                   + " acknowledged events, and the receiver reports " + std::to_string(known));
@@ -116,9 +122,11 @@ void compare_counts(AuditRow& row, const Answers& sender, const Answers& receive
                                   + " events, of which the sender has sent " + std::to_string(after.sent));
 }
 
-/// Only differences in all three statuses count: a connection may be opened or closed meanwhile.
+/// Only differences in all three looks count: a connection may be opened or closed meanwhile.
 void compare_states(AuditRow& row, const Answers& sender, const Answers& receiver)
 {
+    if (!sender[0] || !receiver[0])
+        return;
     bool missing = true, unknown = true;
     for (std::size_t i = 0; i < sender.size(); ++i) {
         const auto* input = input_of(*receiver[i], row.ends);
@@ -247,8 +255,7 @@ Audit audit(const std::vector<StatusAnswer>& first, const std::vector<StatusAnsw
         check_ends(row);
         add_losses(row, receiver ? (*receiver)[2] : nullptr);
         if (sender && receiver) {
-            if (const auto* input = input_of(*(*receiver)[1], row.ends))
-                compare_counts(row, *sender, *receiver, *input);
+            compare_counts(row, *sender, *receiver);
             compare_states(row, *sender, *receiver);
         }
         audit.rows.push_back(std::move(row));
@@ -314,9 +321,17 @@ Json to_json(const Audit& audit)
 
 Audit audit(Application& application)
 {
+    std::vector<StatusAnswer> last;
+    return audit(application, last);
+}
+
+Audit audit(Application& application, std::vector<StatusAnswer>& last)
+{
     const auto drones = application.drones();
-    const auto first = application.status(drones), second = application.status(drones);
-    return audit(first, second, application.status(drones));
+    const auto first = last.empty() ? application.status(drones) : std::move(last);
+    const auto second = application.status(drones);
+    last = application.status(drones);
+    return audit(first, second, last);
 }
 
 }  // namespace hive

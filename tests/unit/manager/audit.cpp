@@ -66,6 +66,28 @@ TEST_CASE("audit: a sender that knows of more than its receiver has dealt with i
     CHECK(audit(look({10, 10, 9}), look({10, 10, 9}), look({10, 10, 9})).clean());
 }
 
+TEST_CASE("audit: the last two looks are compared, so an old first look hides nothing")
+{
+    constexpr auto before = sender_epoch - 1;
+    const auto acknowledged = audit(look({0, 0, 0}, before), look({10, 10, 9}, before), look({10, 10, 9}, before));
+    CHECK(acknowledged.rows[0].differences.size() == 1);
+    CHECK(audit(look({0, 0, 0}), look({12, 12, 13}), look({12, 12, 13})).rows[0].differences.size() == 1);
+    // Acknowledged between the two looks.
+    CHECK(audit(look({0, 0, 0}, before), look({10, 9, 9}, before), look({20, 20, 20}, before)).clean());
+}
+
+TEST_CASE("audit: a drone that was started after the first look is compared by the other two")
+{
+    const auto found = audit({}, look({12, 12, 13}), look({12, 12, 13}));
+    CHECK(found.rows[0].sender_answers);
+    CHECK(found.rows[0].receiver_answers);
+    CHECK(found.rows[0].differences.size() == 1);
+    auto apart = look({10, 10, 10});
+    apart[1].status.inputs.clear();
+    CHECK(audit({}, apart, apart).clean());  // it may still be connecting
+    CHECK(audit(look({10, 10, 10}, receiver_epoch - 1), apart, apart).clean());
+}
+
 TEST_CASE("audit: ends that do not know of each other are found, unless one look shows that they do")
 {
     auto apart = look({10, 10, 10});
