@@ -12,7 +12,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto every_look = 1s, every_explanation = 2s, idle_after = 4s;
+constexpr std::chrono::milliseconds every_look = 1s, every_explanation = 1s, idle_after = 4s;
+constexpr std::chrono::milliseconds second_look = 300ms;  ///< rates and explanations need two
 
 /// With the viewers' key, drones of other machines permit reading only.
 bool have_viewers_key()
@@ -28,8 +29,8 @@ try {
 Watch::Watch(std::filesystem::path home, std::chrono::milliseconds timeout, std::function<void()> changed)
     : home_(std::move(home)), timeout_(timeout), changed_(std::move(changed))
 {
-    looker_ = std::thread([this] { run(&Watch::look, every_look); });
-    explainer_ = std::thread([this] { run(&Watch::explain, every_explanation); });
+    looker_ = std::thread([this] { run(&Watch::look); });
+    explainer_ = std::thread([this] { run(&Watch::explain); });
 }
 
 Watch::~Watch()
@@ -67,30 +68,43 @@ bool Watch::wait_for_looker(Time not_before)
     return !ending_;
 }
 
-void Watch::run(void (Watch::*turn)(hive::Application&), std::chrono::milliseconds every)
+void Watch::run(Turn turn)
 {
     hive::Application application({.name = own_name(), .home = home_, .timeout = timeout_, .cancelled = [this] {
                                        const std::lock_guard lock(mutex_);
                                        return ending_;
                                    }});
-    for (Time next{}; wait_for_looker(next); next = std::chrono::steady_clock::now() + every)
+    auto pause = 0ms;
+    for (Time next{}; wait_for_looker(next); next = std::chrono::steady_clock::now() + pause)
         try {
-            (this->*turn)(application);
+            pause = (this->*turn)(application);
         } catch (const std::exception& error) {  // the next turn may succeed
+            pause = every_look;
             complain("dash", error.what());
         }
 }
 
-void Watch::look(hive::Application& application)
+std::chrono::milliseconds Watch::look(hive::Application& application)
 {
     auto crashed = hive::crashed(application);  // first: a drone that is restarted meanwhile has a status
     auto answers = application.status(application.drones());
-    remove_pages(answers);
     const auto now = std::chrono::steady_clock::now();
+    const bool paused = !looks_.empty() && now - looks_.back().at > idle_after + timeout_;  // no page was open
+    if (paused)
+        looks_.clear();
+    {
+        const std::lock_guard lock(mutex_);
+        if (paused)
+            answers_.clear();
+        answers_.push_back(std::make_shared<const Answers>(answers));
+        if (answers_.size() > 2)
+            answers_.pop_front();
+    }
+    remove_pages(answers);
     looks_.push_back({std::move(answers), now});
     if (looks_.size() > 3)
         looks_.pop_front();
-    const std::array<Look, 3> three{looks_.front(), looks_[looks_.size() / 2], looks_.back()};
+    const std::array<Look, 3> three{looks_.front(), looks_[(looks_.size() - 1) / 2], looks_.back()};
     const auto graph = hive::graph(three[2].answers, std::move(crashed));
     auto snapshot = std::make_shared<Snapshot>(snapshot_of(three, graph));
     remember(past_, *snapshot);
@@ -111,15 +125,24 @@ void Watch::look(hive::Application& application)
         newest_ = std::move(snapshot);
     }
     changed_();
+    return looks_.size() < 2 ? second_look : every_look;
 }
 
-void Watch::explain(hive::Application& application)
+std::chrono::milliseconds Watch::explain(hive::Application& application)
 {
-    auto explanation = hive::explain(application);
+    std::deque<std::shared_ptr<const Answers>> answers;
+    {
+        const std::lock_guard lock(mutex_);
+        answers = answers_;
+    }
+    if (answers.size() < 2)
+        return second_look;
+    const auto explanation = hive::explain_answers(application, *answers[0], *answers[1]);
     const auto& causes = explanation.causes;
     auto worst = causes.empty() ? hive::Json() : to_json(causes.front());
     const std::lock_guard lock(mutex_);
     worst_ = std::move(worst);
+    return every_explanation;
 }
 
 /// Graphviz takes seconds for a large swarm; the numbers are updated meanwhile.

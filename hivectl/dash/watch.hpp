@@ -13,8 +13,9 @@
 
 namespace hivectl::dash {
 
-/// Two threads: one queries all drones and runs Graphviz when drones or connections have changed, the other runs
-/// explain. Each has its own application, so a drone that does not answer delays only the next query.
+/// Two threads: one queries all drones and runs Graphviz when drones or connections have changed, the other explains
+/// the last two answers of each. Each has its own application, so a drone that does not answer delays only the next
+/// query.
 class Watch {
 public:
     using Time = std::chrono::steady_clock::time_point;
@@ -37,10 +38,12 @@ public:
     [[nodiscard]] std::shared_ptr<const Drawing> drawing() const;
 
 private:
-    void run(void (Watch::*turn)(hive::Application&), std::chrono::milliseconds every);
+    /// @return  the pause before the next turn
+    using Turn = std::chrono::milliseconds (Watch::*)(hive::Application&);
+    void run(Turn turn);
     bool wait_for_looker(Time not_before);
-    void look(hive::Application& application);
-    void explain(hive::Application& application);
+    std::chrono::milliseconds look(hive::Application& application);
+    std::chrono::milliseconds explain(hive::Application& application);
     void draw(const hive::SwarmGraph& graph);
 
     const std::filesystem::path home_;
@@ -53,6 +56,8 @@ private:
     std::shared_ptr<const Snapshot> newest_;
     std::shared_ptr<const Drawing> drawing_ = std::make_shared<Drawing>();
     hive::Json worst_;  ///< the result of explain
+    using Answers = std::vector<hive::StatusAnswer>;
+    std::deque<std::shared_ptr<const Answers>> answers_;  ///< of the last two looks, with the connections of pages
     // For the querying thread:
     std::deque<Look> looks_;
     std::map<std::string, Past> past_;

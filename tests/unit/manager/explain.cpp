@@ -3,7 +3,12 @@
 #include "explain/machine_causes.hpp"
 #include "explain/search.hpp"
 
+#include <hive/explain.hpp>
+
 #include <doctest/doctest.h>
+
+#include <filesystem>
+#include <unistd.h>
 
 using namespace hive;
 using explaining::Absent;
@@ -64,6 +69,22 @@ TEST_CASE("explain: one request at a time over a long round trip is a cause as l
     CHECK(found[0].command == "hivectl connect camera.image face.image --window 7");
     CHECK(causes(after, &after).empty());
     CHECK(causes(far(20, 7), nullptr).empty());
+}
+
+TEST_CASE("explain: two earlier answers of all drones are explained without a query")
+{
+    std::string home = "/tmp/hv-XXXXXX";
+    REQUIRE(::mkdtemp(home.data()));
+    Application application({.name = "app-1", .home = home});
+    const auto before = far(10).answers, after = far(20).answers;
+    const auto found = explain_answers(application, before, after);
+    REQUIRE(found.causes.size() == 1);  // a query would find that no drone runs here
+    CHECK(found.causes[0].what == Cause::What::small_window);
+    CHECK(found.flows.size() == 2);
+    CHECK(explain_answers(application, after, after).causes.empty());
+    CHECK_FALSE(explain_answers(application, {}, after).has(Cause::What::not_running));  // started after the first look
+    CHECK(explain_answers(application, {before[1]}, {after[1]}).flows.size() == 1);  // camera is queried, in vain
+    std::filesystem::remove_all(home);
 }
 
 TEST_CASE("explain: a sender that this machine does not know is no cause for a receiver that is connected to it")

@@ -380,7 +380,7 @@ std::vector<Measured> measure(Application& application, const std::vector<std::s
 {
     auto names = application.drones();
     names.insert(names.end(), drones.begin(), drones.end());
-    Looks looks{.before = explaining::look_from(application, names), .after = {}};
+    Looks looks{.before = explaining::look_from(application, names, explaining::status_by(application)), .after = {}};
     leave_each_once(looks.before);
     const auto ways = trace(looks.before, drones);
     if (ways.empty())

@@ -55,14 +55,14 @@ Absent absent_in(Application& application, const Look& look)
 
 /// Queries the drones once more, as one that was not running may have been started. Silent ones stay as they were, so
 /// as not to wait for them twice.
-Look look_again(Application& application, const Look& before)
+Look look_again(const Look& before, const Ask& ask)
 {
     Look look = before;
     std::vector<std::string> drones;
     for (const auto& answer : before.answers)
         if (!answer.error || answer.error->code() == Errc::not_found)
             drones.push_back(answer.drone);
-    for (auto& answer : application.status(drones))
+    for (auto& answer : ask(drones))
         *std::ranges::find(look.answers, answer.drone, &StatusAnswer::drone) = std::move(answer);
     return look;
 }
@@ -93,11 +93,12 @@ std::vector<Flow> flows(const std::vector<std::string>& drones, const Look& earl
     return flows;
 }
 
-std::vector<Endpoint> everything(Application& application)
+/// These drones, and those that should be running.
+std::vector<Endpoint> everything(Application& application, const std::vector<std::string>& drones)
 {
-    std::set<std::string> names;
-    for (const auto& drones : {application.drones(), application.remembered()})
-        names.insert(drones.begin(), drones.end());
+    std::set<std::string> names(drones.begin(), drones.end());
+    const auto remembered = application.remembered();
+    names.insert(remembered.begin(), remembered.end());
     for (const auto& failed : application.failed())
         names.insert(failed.drone);
     std::vector<Endpoint> targets;
@@ -106,15 +107,52 @@ std::vector<Endpoint> everything(Application& application)
     return targets;
 }
 
-Explanation explanation(Application& application, const std::vector<std::string>& drones, const Walk& walk)
+/// Gets the statuses of two looks.
+struct Questions {
+    Ask first, second;
+    std::chrono::milliseconds between{};
+};
+
+Questions ask_twice(Application& application) { return {status_by(application), status_by(application), interval}; }
+
+/// Takes the answers from these lists, which must outlive it, the first that has the drone; queries the others.
+Ask answered(Application& application, std::vector<const std::vector<StatusAnswer>*> lists)
 {
-    const auto first = look_from(application, drones);
+    return [&application, lists = std::move(lists)](const std::vector<std::string>& drones) {
+        std::vector<StatusAnswer> answers(drones.size());
+        std::vector<std::string> missing;
+        std::vector<std::size_t> at;
+        for (std::size_t i = 0; i < drones.size(); ++i) {
+            const StatusAnswer* known = nullptr;
+            for (const auto* list : lists)
+                if (const auto found = std::ranges::find(*list, drones[i], &StatusAnswer::drone);
+                    !known && found != list->end())
+                    known = &*found;
+            if (known) {
+                answers[i] = *known;
+            } else {
+                missing.push_back(drones[i]);
+                at.push_back(i);
+            }
+        }
+        auto more = application.status(missing);
+        for (std::size_t i = 0; i < more.size(); ++i)
+            answers[at[i]] = std::move(more[i]);
+        return answers;
+    };
+}
+
+Explanation explanation(Application& application, const std::vector<std::string>& drones, const Walk& walk,
+                        const Questions& questions)
+{
+    const auto first = look_from(application, drones, questions.first);
     for (const auto& answer : first.answers)
         if (answer.error && answer.error->code() == Errc::invalid_argument
             && std::ranges::find(drones, answer.drone) != drones.end())
             throw *answer.error;
-    Inquiry(application).wait(event::Clock::now() + interval, {});
-    const auto second = look_again(application, first);
+    if (questions.between.count() > 0)
+        Inquiry(application).wait(event::Clock::now() + questions.between, {});
+    const auto second = look_again(first, questions.second);
     const auto absent = absent_in(application, second);
     Search before(first, nullptr, absent, application.name()), after(second, &first, absent, application.name());
     walk(before);
@@ -135,25 +173,44 @@ Explanation explanation(Application& application, const std::vector<std::string>
     return result;
 }
 
+Explanation explanation(Application& application, const std::vector<Endpoint>& targets, const Questions& questions)
+{
+    std::vector<std::string> drones;
+    std::ranges::transform(targets, std::back_inserter(drones), &Endpoint::drone);
+    return explanation(
+        application, drones,
+        [&](Search& search) {
+            for (const auto& target : targets)
+                search.target(target.drone, target.port);
+        },
+        questions);
+}
+
 }  // namespace
 
 bool Explanation::has(Cause::What what) const { return std::ranges::find(causes, what, &Cause::what) != causes.end(); }
 
 Explanation explain(Application& application, const std::vector<Endpoint>& ends)
 {
-    const auto targets = ends.empty() ? everything(application) : ends;
+    return explanation(application, ends.empty() ? everything(application, application.drones()) : ends,
+                       ask_twice(application));
+}
+
+Explanation explain_answers(Application& application, const std::vector<StatusAnswer>& first,
+                            const std::vector<StatusAnswer>& second)
+{
     std::vector<std::string> drones;
-    std::ranges::transform(targets, std::back_inserter(drones), &Endpoint::drone);
-    return explanation(application, drones, [&](Search& search) {
-        for (const auto& target : targets)
-            search.target(target.drone, target.port);
-    });
+    std::ranges::transform(second, std::back_inserter(drones), &StatusAnswer::drone);
+    // The first answer of a drone must not be newer than its second.
+    return explanation(application, everything(application, drones),
+                       {answered(application, {&first, &second}), answered(application, {&second})});
 }
 
 Explanation explain(Application& application, const Endpoint& sender, const Endpoint& receiver)
 {
-    auto result = explanation(application, {receiver.drone, sender.drone},
-                              [&](Search& search) { search.connection(sender, receiver); });
+    auto result = explanation(
+        application, std::vector{receiver.drone, sender.drone},
+        [&](Search& search) { search.connection(sender, receiver); }, ask_twice(application));
     if (auto cause = unconnected_pair(application, sender, receiver)) {
         std::erase_if(result.causes, [](const Cause& other) { return other.what == Cause::What::not_connected; });
         result.causes.insert(result.causes.begin(), *std::move(cause));

@@ -95,7 +95,12 @@ const StatusAnswer* Look::find(const std::string& drone) const
     return found != answers.end() && std::ranges::count_if(answers, same) == 1 ? &*found : nullptr;
 }
 
-Look look_from(Application& application, const std::vector<std::string>& drones)
+Ask status_by(Application& application)
+{
+    return [&application](const std::vector<std::string>& drones) { return application.status(drones); };
+}
+
+Look look_from(Application& application, const std::vector<std::string>& drones, const Ask& ask)
 {
     Look look;
     const event::Home home(application.home());
@@ -106,7 +111,7 @@ Look look_from(Application& application, const std::vector<std::string>& drones)
             if (asked.insert(name).second)
                 fresh.push_back(name);
         next.clear();
-        for (auto& answer : application.status(fresh)) {
+        for (auto& answer : ask(fresh)) {
             auto names = next_to(answer);
             if (answer.error && !is_elsewhere(answer.place))
                 names = look.saved_senders[answer.drone] = senders_in_state(home, answer.drone);

@@ -3,6 +3,7 @@
 
 #include <hive/application.hpp>
 
+#include <functional>
 #include <map>
 #include <set>
 #include <string>
@@ -36,8 +37,12 @@ struct Look {
     [[nodiscard]] const StatusAnswer* find(const std::string& drone) const;
 };
 
+/// One answer for each of the drones, in their order.
+using Ask = std::function<std::vector<StatusAnswer>(const std::vector<std::string>&)>;
+Ask status_by(Application& application);
+
 /// Queries the drones, their senders up to the sources, and the receivers for which these wait.
-Look look_from(Application& application, const std::vector<std::string>& drones);
+Look look_from(Application& application, const std::vector<std::string>& drones, const Ask& ask);
 
 /// "camera" of "camera.image".
 std::string owner_of(const std::string& end);
