@@ -83,7 +83,7 @@ TEST_CASE("explain: two earlier answers of all drones are explained without a qu
     CHECK(found.flows.size() == 2);
     CHECK(explain_answers(application, after, after).causes.empty());
     CHECK_FALSE(explain_answers(application, {}, after).has(Cause::What::not_running));  // started after the first look
-    CHECK(explain_answers(application, {before[1]}, {after[1]}).flows.size() == 1);  // camera is queried, in vain
+    CHECK(explain_answers(application, {before[1]}, {after[1]}).flows.size() == 1);      // camera is queried, in vain
     std::filesystem::remove_all(home);
 }
 
