@@ -133,11 +133,12 @@ int run(const Options& options, Session& session)
     const interrupt::Deferred deferred;
     bool clean = true;
     std::vector<hive::StatusAnswer> last;
-    constexpr double recent_s = 2;  // a contradiction must last since then
+    std::chrono::steady_clock::time_point queried;
     do {
-        if (options.interval_s > recent_s)
-            last.clear();
+        if (std::chrono::steady_clock::now() - queried > 3s)
+            last.clear();  // too old to show that a contradiction lasts
         auto audit = hive::audit(application, last);
+        queried = std::chrono::steady_clock::now();
         if (!options.since.empty())
             audit.forget_before(since_us(options.since));
         clean = audit.clean();

@@ -12,7 +12,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr std::chrono::milliseconds every_look = 1s, every_explanation = 1s, idle_after = 4s;
+constexpr std::chrono::milliseconds every_look = 1s, idle_after = 4s;
 constexpr std::chrono::milliseconds second_look = 300ms;  ///< rates and explanations need two
 
 /// With the viewers' key, drones of other machines permit reading only.
@@ -95,10 +95,9 @@ std::chrono::milliseconds Watch::look(hive::Application& application)
     {
         const std::lock_guard lock(mutex_);
         if (paused)
-            answers_.clear();
-        answers_.push_back(std::make_shared<const Answers>(answers));
-        if (answers_.size() > 2)
-            answers_.pop_front();
+            worst_ = {};
+        before_ = paused ? nullptr : std::move(last_);
+        last_ = std::make_shared<const Query>(answers, now);
     }
     remove_pages(answers);
     looks_.push_back({std::move(answers), now});
@@ -130,19 +129,22 @@ std::chrono::milliseconds Watch::look(hive::Application& application)
 
 std::chrono::milliseconds Watch::explain(hive::Application& application)
 {
-    std::deque<std::shared_ptr<const Answers>> answers;
+    std::shared_ptr<const Query> before, last;
     {
         const std::lock_guard lock(mutex_);
-        answers = answers_;
+        before = before_;
+        last = last_;
     }
-    if (answers.size() < 2)
+    const auto outdated = [&] { return std::chrono::steady_clock::now() - last->at > idle_after + timeout_; };
+    if (!before || last == explained_ || outdated())
         return second_look;
-    const auto explanation = hive::explain_answers(application, *answers[0], *answers[1]);
+    explained_ = last;
+    const auto explanation = hive::explain_answers(application, before->answers, last->answers);
     const auto& causes = explanation.causes;
-    auto worst = causes.empty() ? hive::Json() : to_json(causes.front());
+    auto worst = causes.empty() || outdated() ? hive::Json() : to_json(causes.front());
     const std::lock_guard lock(mutex_);
     worst_ = std::move(worst);
-    return every_explanation;
+    return second_look;
 }
 
 /// Graphviz takes seconds for a large swarm; the numbers are updated meanwhile.

@@ -56,8 +56,12 @@ private:
     std::shared_ptr<const Snapshot> newest_;
     std::shared_ptr<const Drawing> drawing_ = std::make_shared<Drawing>();
     hive::Json worst_;  ///< the result of explain
-    using Answers = std::vector<hive::StatusAnswer>;
-    std::deque<std::shared_ptr<const Answers>> answers_;  ///< of the last two looks, with the connections of pages
+    struct Query {
+        std::vector<hive::StatusAnswer> answers;  ///< with the connections of pages
+        Time at;
+    };
+    std::shared_ptr<const Query> before_, last_;
+    std::shared_ptr<const Query> explained_;  ///< for the explaining thread
     // For the querying thread:
     std::deque<Look> looks_;
     std::map<std::string, Past> past_;

@@ -167,7 +167,9 @@ TEST_CASE("replace: a recorder that was halted with a full disk lists the events
     const auto input = [&] { return application.status("record").inputs.at(0); };
     REQUIRE(eventually([&] { return input().abandoned > 5; }));
     application.halt("record");
-    REQUIRE(eventually([&] { return input().queued == 8; }));
+    REQUIRE(eventually([&] { return input().queued >= 7 && input().in_hand == 0; }));  // 7: one ended after the halt
+    std::this_thread::sleep_for(Milliseconds(300));
+    const auto queued = input().queued;
     const auto done = disk.run("hivectl replace record --lose-state");
     CHECK_MESSAGE(done.exit_code == 0, done.err);
     const auto waited = [&] {
@@ -177,5 +179,6 @@ TEST_CASE("replace: a recorder that was halted with a full disk lists the events
             events += one.at("reason") == still_waiting ? one.at("events").get<std::int64_t>() : 0;
         return events;
     };
-    CHECK(eventually([&] { return waited() == 8; }));  // the old process writes its end after the new one has started
+    CHECK(eventually(
+        [&] { return waited() == queued; }));  // the old process writes its end after the new one has started
 }

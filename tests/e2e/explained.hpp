@@ -78,8 +78,10 @@ inline void count(const std::string& injected, const Found& first)
     for (const auto& cause : first.json.is_null() ? Json::array() : first.json.at("causes"))
         if (named.is_null() && (cause.at("what") != "load" || injected.starts_with("load ")))
             named = cause;
+    static int number = 0;
     std::ofstream(file, std::ios::app) << Json{
         {"case", doctest::getContextOptions()->currentTest->m_name},
+        {"number", ++number},
         {"injected", injected},
         {"named", named}}.dump() << "\n";
 }

@@ -96,7 +96,7 @@ std::optional<Request> InputProgress::news(bool may_ask)
     const bool tells = (may_ask && unprocessed_before_ == 0) || options_.transfer != Transfer::streaming;
     const auto worked = tells ? worked_ : std::max(told_.worked, done_);
     const bool more = tells && allowed(ask, worked) > allowed_;
-    const bool waits = may_ask && !all_worked();  // else what is left is held up
+    const bool waits = may_ask && !all_worked();  // while paused, the rest may wait for long
     return urgent(worked, more, waits) ? std::optional(tell(ask, worked)) : std::nullopt;
 }
 

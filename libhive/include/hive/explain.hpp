@@ -80,9 +80,9 @@ struct Explanation {
 /// @param ends  empty: all drones, and those that crashed; unused ones, such as an unconnected drone, come last
 /// Throws Errc::invalid_argument when several drones have a name.
 Explanation explain(Application& application, const std::vector<Endpoint>& ends = {});
-/// The same for all drones, from the answers of two earlier queries of all. Queries only drones that are in neither.
-Explanation explain_answers(Application& application, const std::vector<StatusAnswer>& first,
-                            const std::vector<StatusAnswer>& second);
+/// The same for all drones, from the answers of two earlier queries of all. Queries only drones that the second lacks.
+Explanation explain_answers(Application& application, std::vector<StatusAnswer> first,
+                            std::vector<StatusAnswer> second);
 /// The same for events from one drone to another, including whether the two are connected.
 Explanation explain(Application& application, const Endpoint& sender, const Endpoint& receiver);
 

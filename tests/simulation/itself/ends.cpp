@@ -191,7 +191,7 @@ std::vector<std::string> wrong_in(std::uint64_t seed, Disturb disturb)
 std::string wrong_until(std::uint64_t last, Disturb disturb)
 {
     std::string lines;
-    for (std::uint64_t seed = 1; seed <= (sanitized() ? last / 5 : last); ++seed)
+    for (std::uint64_t seed = 1; seed <= (hive::test::sanitized() ? last / 5 : last); ++seed)
         for (const auto& wrong : wrong_in(seed, disturb))
             lines += "seed " + std::to_string(seed) + ", " + wrong + "\n";
     return lines;
@@ -215,6 +215,9 @@ TEST_CASE("ends: the same while the drone in the middle is halted, connected in 
 TEST_CASE("ends: if nobody asks whether an end still holds, some get that of the source before")
 {
     leave_out("end-question");
-    CHECK_FALSE(wrong_until(100, cut).empty());
+    bool found = false;
+    for (std::uint64_t seed = 1; seed <= 100 && !found; ++seed)
+        found = !wrong_in(seed, cut).empty();
+    CHECK(found);
     leave_out({});
 }

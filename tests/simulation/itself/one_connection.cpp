@@ -70,7 +70,7 @@ bool received_in(std::uint64_t seed, const std::string& at)
 
 TEST_CASE("a connection that comes back by itself takes nothing from one that is being made in its place")
 {
-    for (std::uint64_t seed = 1; seed <= (sanitized() ? 100 : 1000); ++seed) {
+    for (std::uint64_t seed = 1; seed <= (hive::test::sanitized() ? 100 : 1000); ++seed) {
         CHECK_MESSAGE(received_in(seed, ""), "seed " << seed << ", both over one connection");
         CHECK_MESSAGE(received_in(seed, ",at=" + place), "seed " << seed << ", over two");
     }

@@ -107,8 +107,7 @@ TEST_CASE("input progress: while it may not ask, what it has processed and not a
     CHECK(input.allows(true));
 }
 
-TEST_CASE("input progress: a halted receiver reports the end of an event at once, since that of the next may be long "
-          "in coming")
+TEST_CASE("input progress: a halted receiver reports the end of an event at once, since the next may take long")
 {
     for (const auto& options : {streaming(), window(3)}) {
         InputProgress input;

@@ -55,12 +55,13 @@ Absent absent_in(Application& application, const Look& look)
 
 /// Queries the drones once more, as one that was not running may have been started. Silent ones stay as they were, so
 /// as not to wait for them twice.
-Look look_again(const Look& before, const Ask& ask)
+/// @param known  the answers are there already
+Look look_again(const Look& before, const Ask& ask, bool known)
 {
     Look look = before;
     std::vector<std::string> drones;
     for (const auto& answer : before.answers)
-        if (!answer.error || answer.error->code() == Errc::not_found)
+        if (known || !answer.error || answer.error->code() == Errc::not_found)
             drones.push_back(answer.drone);
     for (auto& answer : ask(drones))
         *std::ranges::find(look.answers, answer.drone, &StatusAnswer::drone) = std::move(answer);
@@ -110,13 +111,14 @@ std::vector<Endpoint> everything(Application& application, const std::vector<std
 /// Gets the statuses of two looks.
 struct Questions {
     Ask first, second;
-    std::chrono::milliseconds between{};
+    bool known = false;  ///< the second ones are there already
 };
 
-Questions ask_twice(Application& application) { return {status_by(application), status_by(application), interval}; }
+Questions ask_twice(Application& application) { return {status_by(application), status_by(application)}; }
 
-/// Takes the answers from these lists, which must outlive it, the first that has the drone; queries the others.
-Ask answered(Application& application, std::vector<const std::vector<StatusAnswer>*> lists)
+/// Takes the answers from these lists, which must outlive it, the first that has the drone; queries the others, and
+/// adds their answers to the last list.
+Ask answered(Application& application, std::vector<std::vector<StatusAnswer>*> lists)
 {
     return [&application, lists = std::move(lists)](const std::vector<std::string>& drones) {
         std::vector<StatusAnswer> answers(drones.size());
@@ -137,7 +139,7 @@ Ask answered(Application& application, std::vector<const std::vector<StatusAnswe
         }
         auto more = application.status(missing);
         for (std::size_t i = 0; i < more.size(); ++i)
-            answers[at[i]] = std::move(more[i]);
+            answers[at[i]] = lists.back()->emplace_back(std::move(more[i]));
         return answers;
     };
 }
@@ -150,9 +152,9 @@ Explanation explanation(Application& application, const std::vector<std::string>
         if (answer.error && answer.error->code() == Errc::invalid_argument
             && std::ranges::find(drones, answer.drone) != drones.end())
             throw *answer.error;
-    if (questions.between.count() > 0)
-        Inquiry(application).wait(event::Clock::now() + questions.between, {});
-    const auto second = look_again(first, questions.second);
+    if (!questions.known)
+        Inquiry(application).wait(event::Clock::now() + interval, {});
+    const auto second = look_again(first, questions.second, questions.known);
     const auto absent = absent_in(application, second);
     Search before(first, nullptr, absent, application.name()), after(second, &first, absent, application.name());
     walk(before);
@@ -196,14 +198,13 @@ Explanation explain(Application& application, const std::vector<Endpoint>& ends)
                        ask_twice(application));
 }
 
-Explanation explain_answers(Application& application, const std::vector<StatusAnswer>& first,
-                            const std::vector<StatusAnswer>& second)
+Explanation explain_answers(Application& application, std::vector<StatusAnswer> first, std::vector<StatusAnswer> second)
 {
     std::vector<std::string> drones;
     std::ranges::transform(second, std::back_inserter(drones), &StatusAnswer::drone);
-    // The first answer of a drone must not be newer than its second.
+    // The first answer of a drone must not be newer than its second. The same answer twice shows no rate.
     return explanation(application, everything(application, drones),
-                       {answered(application, {&first, &second}), answered(application, {&second})});
+                       {answered(application, {&first, &second}), answered(application, {&second}), true});
 }
 
 Explanation explain(Application& application, const Endpoint& sender, const Endpoint& receiver)
