@@ -71,6 +71,23 @@ TEST_CASE("explain: one request at a time over a long round trip is a cause as l
     CHECK(causes(far(20, 7), nullptr).empty());
 }
 
+TEST_CASE("explain: copied bodies are a cause only if none goes through shared memory")
+{
+    const auto counted = [](std::int64_t shared, std::int64_t fallback) {
+        auto look = far(0);
+        auto& edge = look.answers[0].status.outputs[0].edges[0];
+        edge.shared = shared;
+        edge.fallback = fallback;
+        return look;
+    };
+    const auto before = counted(10, 20);
+    const auto found = causes(counted(10, 30), &before);
+    REQUIRE(found.size() == 1);
+    CHECK(found[0].what == Cause::What::copied);
+    CHECK(causes(counted(11, 30), &before).empty());  // the receiver holds all that it may
+    CHECK(causes(counted(10, 20), &before).empty());
+}
+
 TEST_CASE("explain: two earlier answers of all drones are explained without a query")
 {
     std::string home = "/tmp/hv-XXXXXX";
