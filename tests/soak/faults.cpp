@@ -11,8 +11,6 @@ using mixtures::Step;
 using mixtures::Verb;
 using std::chrono::milliseconds;
 
-constexpr int events_of_a_fault = 100;
-
 class Drawer {
 public:
     Drawer(Random& random, const Swarm& swarm) : random_(random), swarm_(swarm) {}
@@ -110,7 +108,6 @@ private:
     void fail(const std::string& drone)
     {
         fault_.from_rest = true;
-        add({}, {.verb = Verb::feed, .drone = mixtures::source, .number = events_of_a_fault});
         add({}, {.verb = Verb::fail, .drone = drone});
     }
 

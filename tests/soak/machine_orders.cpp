@@ -154,9 +154,10 @@ void Machines::feed(int events)
     local(source).set(source, {{"count", fed_}});
 }
 
-/// The drone must get events. Switched off afterwards: a restarted drone would throw again.
+/// Switched off afterwards: a restarted drone would throw again.
 void Machines::fail(const std::string& drone)
 {
+    constexpr int events_of_all = 100;  // of which the drone gets at least one
     if (!test::eventually([&] { return heard(statuses(), drone); }))
         throw std::runtime_error("no application receives the exceptions of " + drone);
     const auto abandoned = [&] {
@@ -167,7 +168,12 @@ void Machines::fail(const std::string& drone)
     };
     const auto before = abandoned();
     local(drone).set(drone, {{"throw_at", 1 + fails_++ % 5}});
-    if (!test::eventually([&] { return abandoned() > before; }))
+    const auto fails = [&] {
+        if (local(source).status(source).outputs.at(0).produced >= fed_)
+            feed(events_of_all);
+        return abandoned() > before;
+    };
+    if (!test::eventually(fails))
         throw std::runtime_error(drone + " throws nothing");
     local(drone).set(drone, {{"throw_at", 0}});
 }
