@@ -191,6 +191,9 @@ def exceptions(browser, dash):
     page.see("#verdict.bad", "lost")
     page.until("!!document.querySelector('g.edge.bad')")
     page.see("g.edge.bad text", "1 lost")
+    hivectl("set", "thrower", "throw_at=4")
+    page.until("document.querySelectorAll('.exceptions li').length === 2")
+    page.see(".exceptions details[open] p", "event ")  # what was opened stays open
 
 
 def crashes(browser, dash):

@@ -170,7 +170,8 @@ export class DronePanel extends Panel {
     const key = JSON.stringify([exceptions, failures]);
     if (key === this.exceptions_shown) return;
     this.exceptions_shown = key;
-    const rows = exception_rows(this.name, exceptions, failures);
+    const opened = [...this.exceptions.querySelectorAll("details[open]")].map(each => each.id);
+    const rows = exception_rows(this.name, exceptions, failures, opened);
     this.exceptions.replaceChildren(...rows.length ? rows : [`none; on an exception: ${on_exception}`]);
   }
 

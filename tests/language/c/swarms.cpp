@@ -362,7 +362,7 @@ TEST_CASE("c: a drone that hangs is replaced only with force, and the new one ha
     const auto processed = [&] {
         Text status;
         REQUIRE(hive_application_status(lab.application, "worker-1", status.place(), nullptr) == HIVE_OK);
-        return status.json().at("inputs").at(0).at("processed").get<std::int64_t>();
+        return status.json().at("inputs").at(0).value("processed", std::int64_t{0});  // left out while it is 0
     };
     CHECK(eventually([&] { return processed() > 0; }));
     CHECK(file.down().size() == 2);
