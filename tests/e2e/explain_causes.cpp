@@ -18,7 +18,7 @@ using hive::Json;
 
 TEST_CASE("explain: a drone that has crashed, with its signal and where (needs a build without sanitizers)")
 {
-    if (!possible(missing_if_sanitized()))
+    if (!injectable(missing_if_sanitized()))
         return;
     const Swarm swarm;
     const auto source = swarm.drone("ticker", "source", {"fps=20"}), fragile = swarm.drone("crasher", "fragile");

@@ -71,7 +71,7 @@ Json info_of(const SmallDisk& disk, const std::string& file)
 TEST_CASE("explain and audit: a recorder whose disk is full, and which continues once there is space")
 {
     const Swarm swarm;
-    if (!possible(SmallDisk::missing(swarm)))
+    if (!injectable(SmallDisk::missing(swarm)))
         return;
     const auto camera = swarm.drone("camera", "camera", {"fps=30", "width=160", "height=120"});
     const SmallDisk disk(swarm);
@@ -107,7 +107,7 @@ TEST_CASE(
     "replace: a recorder whose disk is full: each acknowledged event is in a recording, or is counted there as lost")
 {
     const Swarm swarm;
-    if (!possible(SmallDisk::missing(swarm)))
+    if (!injectable(SmallDisk::missing(swarm)))
         return;
     const auto camera = swarm.drone("camera", "camera", {"fps=30", "width=160", "height=120"});
     const SmallDisk disk(swarm);
@@ -158,7 +158,7 @@ TEST_CASE(
 TEST_CASE("replace: a recorder that was halted with a full disk lists the events that wait for it")
 {
     const Swarm swarm;
-    if (!possible(SmallDisk::missing(swarm)))
+    if (!injectable(SmallDisk::missing(swarm)))
         return;
     const auto camera = swarm.drone("camera", "camera", {"fps=30", "width=160", "height=120"});
     const SmallDisk disk(swarm);

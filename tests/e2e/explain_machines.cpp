@@ -35,7 +35,7 @@ private:
 
 TEST_CASE("explain: over a long way, a window that is too small")
 {
-    if (!possible(missing_for_lab()))
+    if (!injectable(missing_for_lab()))
         return;
     const Two two;
     const auto shell = two.shell();
@@ -51,7 +51,7 @@ TEST_CASE("explain: over a long way, a window that is too small")
 
 TEST_CASE("explain: a machine whose clock is an hour ahead")
 {
-    if (!possible(missing_for_lab()) || !possible(WallClock::missing()))
+    if (!injectable(missing_for_lab()) || !injectable(WallClock::missing()))
         return;
     const Two two;
     const auto shell = two.shell();
@@ -76,7 +76,7 @@ TEST_CASE("explain: a machine whose clock is an hour ahead")
 
 TEST_CASE("explain: a slow network")
 {
-    if (!possible(missing_for_lab()))
+    if (!injectable(missing_for_lab()))
         return;
     const Two two;
     const auto shell = two.shell();
@@ -92,7 +92,7 @@ TEST_CASE("explain: a slow network")
 
 TEST_CASE("explain: a network that is too slow for a source on demand, with a window of several images and of one")
 {
-    if (!possible(missing_for_lab()))
+    if (!injectable(missing_for_lab()))
         return;
     const Two two;
     const auto shell = two.shell();
@@ -112,7 +112,7 @@ TEST_CASE("explain: a network that is too slow for a source on demand, with a wi
 
 TEST_CASE("explain: a sender that was stopped on the machine where it was started over ssh")
 {
-    if (!possible(missing_for_lab()))
+    if (!injectable(missing_for_lab()))
         return;
     const Lab lab({"cam1"});
     lab.share_key();
@@ -138,7 +138,7 @@ TEST_CASE("explain: a sender that was stopped on the machine where it was starte
 
 TEST_CASE("explain: a Python file on another machine, which throws there, and which was stopped there")
 {
-    if (!possible(missing_for_lab()) || !possible(sanitized() ? "a build without sanitizers, for Python" : ""))
+    if (!injectable(missing_for_lab()) || !injectable(sanitized() ? "a build without sanitizers, for Python" : ""))
         return;
     const Lab lab({"cam1"});
     lab.share_key();
@@ -176,7 +176,7 @@ TEST_CASE("explain: a Python file on another machine, which throws there, and wh
 
 TEST_CASE("explain: a machine that is cut off, while a drone of this one has halted")
 {
-    if (!possible(missing_for_lab()))
+    if (!injectable(missing_for_lab()))
         return;
     const Two two;
     const auto shell = two.shell();
@@ -208,7 +208,7 @@ TEST_CASE("explain: a stream whose receiver is too slow")
 
 TEST_CASE("explain: a machine without the key, and one with another key")
 {
-    if (!possible(missing_for_lab()))
+    if (!injectable(missing_for_lab()))
         return;
     const Two two;
     const auto shell = two.shell();

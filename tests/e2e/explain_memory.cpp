@@ -60,7 +60,7 @@ TEST_CASE("explain: the control group of a drone has little memory left, and the
 {
     constexpr std::int64_t limit = 256 << 20;
     const Group group(limit);
-    if (!possible(group.valid() ? "" : "the right to make a control group with a memory limit"))
+    if (!injectable(group.valid() ? "" : "the right to make a control group with a memory limit"))
         return;
     const Swarm swarm;
     const auto start = [&](const std::string& words) {
@@ -102,7 +102,7 @@ TEST_CASE("explain: the control group of a drone has little memory left, and the
 
 TEST_CASE("status: in a container the memory is that of its control group, without cached files")
 {
-    if (!possible(::geteuid() == 0 ? "" : "root, to make mounts"))
+    if (!injectable(::geteuid() == 0 ? "" : "root, to make mounts"))
         return;
     const Swarm swarm;
     // As in a container of version 2: its own group is the root of the mount.
@@ -112,7 +112,7 @@ TEST_CASE("status: in a container the memory is that of its control group, witho
                    " && echo 480000000 > memory.current"
                    " && printf 'anon 1\\ninactive_file 80000000\\n' > memory.stat && exec "
                        + swarm.program("hivectl").string() + " start sleeper --as worker"});
-    if (!possible(done.exit_code != 0 && has(done.err, "unshare") ? "the right to make mounts: " + done.err : ""))
+    if (!injectable(done.exit_code != 0 && has(done.err, "unshare") ? "the right to make mounts: " + done.err : ""))
         return;
     REQUIRE_MESSAGE(done.exit_code == 0, done.err);
     const auto machine = swarm.application().status("worker").machine;

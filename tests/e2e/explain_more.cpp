@@ -122,7 +122,7 @@ TEST_CASE("explain: a machine that is out of reach, and since when")
 
 TEST_CASE("explain: code that throws at each event, and whose author has corrected it")
 {
-    if (!possible(sanitized() ? "a build without sanitizers, which Python cannot load" : ""))
+    if (!injectable(sanitized() ? "a build without sanitizers, which Python cannot load" : ""))
         return;
     const Swarm swarm;
     const auto source = swarm.drone("ticker", "source", {"fps=50"});

@@ -5,6 +5,7 @@
 #include "swarm.hpp"
 
 #include <doctest/doctest.h>
+#include <possible.hpp>
 
 #include <cstdlib>
 #include <fstream>
@@ -66,24 +67,38 @@ inline Found found(const Shell& shell, const std::string& words)
     return found;
 }
 
-/// Notes for explain_count.py which cause was injected, and which one hivectl explain named first.
-/// @param injected  "halted source"
-/// @param first     the first explanation after that which has a cause
-inline void count(const std::string& injected, const Found& first)
+/// Adds a row for explain_count.py.
+inline void note(Json row)
 {
     const char* const file = std::getenv("HIVE_EXPLAINED");
     if (!file)
         return;
+    static int number = 0;
+    const auto* options = doctest::getContextOptions();
+    row["program"] = options->binary_name.c_str();
+    row["case"] = options->currentTest->m_name;
+    row["number"] = ++number;
+    std::ofstream(file, std::ios::app) << row << "\n";
+}
+
+/// possible() for a case that injects a cause.
+inline bool injectable(const std::string& missing)
+{
+    if (!missing.empty())
+        note({{"skipped", missing}});
+    return possible(missing);
+}
+
+/// Notes which cause was injected, and which one hivectl explain named first.
+/// @param injected  "halted source"
+/// @param first     the first explanation after that which has a cause
+inline void count(const std::string& injected, const Found& first)
+{
     Json named;
     for (const auto& cause : first.json.is_null() ? Json::array() : first.json.at("causes"))
         if (named.is_null() && (cause.at("what") != "load" || injected.starts_with("load ")))
             named = cause;
-    static int number = 0;
-    std::ofstream(file, std::ios::app) << Json{
-        {"case", doctest::getContextOptions()->currentTest->m_name},
-        {"number", ++number},
-        {"injected", injected},
-        {"named", named}}.dump() << "\n";
+    note({{"injected", injected}, {"named", named}});
 }
 
 /// The explanation, once it is this one. Call it when the cause is in effect: the first cause that is named counts.

@@ -138,7 +138,7 @@ void Search::copied(const StatusAnswer& answer, const InputStatus& input)
     if (!link || link.edge->fallback == 0 || !link.grew(&EdgeStatus::fallback))
         return;
     if (link.edge->shared > 0)
-        return;  // the receiver holds as many bodies as it may, and gets the others copied
+        return;  // sharing works: the receiver holds as many bodies as it may, and gets the others copied
     slower(What::copied, link, "shared memory does not take the bodies, which are copied",
            std::to_string(link.edge->fallback) + " copied, " + std::to_string(link.edge->shared)
                + " through shared memory",
