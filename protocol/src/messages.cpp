@@ -116,7 +116,6 @@ Request request_from_text(std::string_view text)
 
 Request request_from_json(const Json& object)
 {
-    constexpr std::size_t most_back = 64;
     const Fields fields(object, "request");
     Request request{fields.integer("epoch", 0, max_json_integer), fields.integer("id", 0, max_json_integer),
                     fields.integer_or("done", 0, max_json_integer, 0)};
@@ -126,7 +125,7 @@ Request request_from_json(const Json& object)
     if (fields.has("back"))
         for (const auto& item : fields.array("back")) {
             const auto number = json_integer(item);
-            if (!number || *number < 1 || request.back.size() == most_back)
+            if (!number || *number < 1 || std::ssize(request.back) == Request::most_back)
                 throw Error(Errc::malformed, "request: \"back\" must be an array of at most 64 integers from 1 on");
             request.back.push_back(*number);
         }

@@ -26,13 +26,24 @@ bool InputProgress::begin(std::int64_t epoch, const ConnectionOptions& options, 
         done_ = worked_ = finished_ = taken;
     }
     place_ = place;
-    back_.clear();
+    if (!goes_on)
+        back_.clear();
+    else
+        for (const auto& each : returned_)
+            back_.push_back(each.number);
+    returned_.clear();
     finished_ = std::max(finished_, done_);
     const auto told = goes_on ? 0 : done_;  // the last report may have been lost
     const auto asks = [&](std::int64_t window) { return arrived() + std::max<std::int64_t>(window - held, 0); };
     told_ = {.epoch = epoch, .id = asks(options.window), .done = told, .worked = told};
     allowed_ = options.transfer == Transfer::streaming ? asks(Credit::most_streamed) : told_.id;
     return goes_on;
+}
+
+std::int64_t InputProgress::place() const
+{
+    const auto all = static_cast<std::int64_t>(back_.size() + returned_.size()) + arrived() - finished_;
+    return options_.group.empty() || all <= protocol::Request::most_back ? place_ : 0;
 }
 
 bool InputProgress::allows(bool lossless) const
@@ -44,6 +55,8 @@ std::int64_t InputProgress::receive(bool lossless, std::int64_t turn)
 {
     lossless_ = lossless;
     in_hand_.push_back({.turn = turn, .lossless = lossless});
+    while (!returned_.empty() && returned_.front().until < arrived())
+        returned_.pop_front();
     return arrived();
 }
 
@@ -118,6 +131,8 @@ Request InputProgress::tell(std::int64_t ask, std::int64_t worked)
     told_.id = ask;
     told_.worked = worked;
     told_.done = done_;
+    for (const auto number : back_)
+        returned_.push_back({number, allowed_});
     allowed_ = allowed(ask, worked);
     Request request = told_;
     request.back = std::exchange(back_, {});

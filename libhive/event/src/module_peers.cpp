@@ -93,9 +93,11 @@ void Module::on_register(Link& link, const protocol::Packet& packet, const Json&
 /// The answer to a registration: its place, and the progress of shared work.
 Json Module::confirmation(const Outlet& sender, const Welcome& welcome) const
 {
-    Json json{{"type", sender.port().type}, {"kind", options_.self.kind}, {"epoch", options_.self.epoch}};
-    if (welcome.place != 0)
-        json.update({{"place", welcome.place}, {"taken", welcome.taken}});
+    Json json{{"type", sender.port().type},
+              {"kind", options_.self.kind},
+              {"epoch", options_.self.epoch},
+              {"place", welcome.place},
+              {"taken", welcome.taken}};
     if (welcome.group)
         json.update({{"turn", welcome.group->turn}, {"closed", welcome.group->closed}});
     Json shares = Json::array();

@@ -134,7 +134,8 @@ void Outlet::add(const LinkPtr& link, std::uint16_t channel, const protocol::Reg
                                                          : registration.epoch,
                       .run = link->peer().epoch,
                       .unique = is_unique(*link),
-                      .guest = guest};
+                      .guest = guest,
+                      .local = link->local()};
     if (const auto before = table_.standing(newcomer)) {
         // Over one connection packets keep their order. Over two an earlier registration, given up by then, may come
         // after the one that was made in its place, and would push that out.

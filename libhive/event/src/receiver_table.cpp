@@ -143,16 +143,20 @@ ReceiverTable::Group& ReceiverTable::group_named(const std::string& name)
 Welcome ReceiverTable::join(const Newcomer& newcomer, Clock::time_point now, Decisions& decisions)
 {
     Group& group = group_named(newcomer.options.group);
-    const Welcome welcome{.group = group.subscription.standing()};
+    Welcome welcome{.group = group.subscription.standing()};
     group.emptied = 0;
     group.lost.erase(newcomer.receiver);
     Member& member = group.members[newcomer.receiver];
+    const bool resumes = member.kept.away && newcomer.taken && newcomer.place == member.place;
+    welcome.place = member.place = resumes ? member.place : new_place();
     member.registered.options = newcomer.options;
     member.registered.newest = newcomer.epoch;
     ++member.registered.now;
     seats_[newcomer.id] = {
         .receiver = newcomer.receiver, .run = newcomer.run, .registration = newcomer.epoch, .group = &group};
-    group.subscription.attach(newcomer.id, newcomer.options, {{}, newcomer.held}, &member.ledger, now, decisions);
+    member.kept.local = newcomer.local;
+    const Subscription::Kept kept{resumes ? newcomer.taken : std::nullopt, newcomer.held};
+    welcome.taken = group.subscription.attach(newcomer.id, newcomer.options, kept, &member.kept, now, decisions);
     return welcome;
 }
 
@@ -165,16 +169,19 @@ void ReceiverTable::inherit(const Newcomer& newcomer, Clock::time_point now, Dec
         if (seat.group && plain.receiver == newcomer.receiver && !plain.subscription.present())
             seat.subscription().adopt(std::move(plain.subscription), now, decisions);
     for (auto& [name, group] : groups_)
-        if (&group != seat.group && was_last(group, newcomer) && !seat.is_back)
+        if (&group != seat.group && was_last(group, newcomer, decisions) && !seat.is_back)
             seat.subscription().adopt(std::move(group.subscription), now, decisions);
 }
 
 /// Was it the last member of this group, which waits for no other?
-bool ReceiverTable::was_last(Group& group, const Newcomer& newcomer)
+bool ReceiverTable::was_last(Group& group, const Newcomer& newcomer, Decisions& decisions)
 {
     const bool was_lost = group.lost.erase(newcomer.receiver) > 0;
-    return (was_lost || group.members.contains(newcomer.receiver)) && !group.subscription.present()
-           && group.lost.empty();
+    const auto member = group.members.find(newcomer.receiver);
+    const bool was_member = member != group.members.end();
+    if (was_member)
+        group.subscription.forget_away(member->second.kept, decisions);
+    return (was_lost || was_member) && !group.subscription.present() && group.lost.empty();
 }
 
 void ReceiverTable::offer_held(const Newcomer& newcomer, Clock::time_point now, Decisions& decisions)
@@ -238,7 +245,7 @@ void ReceiverTable::depart(Id id, Fate how, bool returns, Clock::time_point now,
         if (last)
             heir->second.subscription().adopt(std::move(subscription), now, decisions);
     }
-    departed(seat, how, heir != seats_.end());
+    departed(seat, how, heir != seats_.end(), decisions);
     forget_awaited();
     forget_gone();
     forget_empty_groups(decisions);
@@ -252,7 +259,7 @@ void ReceiverTable::bequeath(Id before, Id heir)
             seat.heir = heir;
 }
 
-void ReceiverTable::departed(const Seat& seat, Fate how, bool followed)
+void ReceiverTable::departed(const Seat& seat, Fate how, bool followed, Decisions& decisions)
 {
     if (seat.plain) {
         unregister(seat.plain->registered);
@@ -265,6 +272,8 @@ void ReceiverTable::departed(const Seat& seat, Fate how, bool followed)
     unregister(member->second.registered);
     if (how != Fate::lost_left && !followed && seat.group->lost.size() < max_gone)
         seat.group->lost.insert(seat.receiver);
+    else
+        seat.group->subscription.forget_away(member->second.kept, decisions);
 }
 
 void ReceiverTable::unregister(Registered& registered)
@@ -296,7 +305,7 @@ void ReceiverTable::forget_gone()
             old.emplace(it->registered.gone, [this, it] { plain_.erase(it); });
     for (auto& [name, group] : groups_)
         for (auto it = group.members.begin(); it != group.members.end(); ++it)
-            if (it->second.registered.now == 0)
+            if (it->second.registered.now == 0 && !it->second.kept.away)
                 old.emplace(it->second.registered.gone, [&members = group.members, it] { members.erase(it); });
     for (auto oldest = old.begin(); old.size() > max_gone; oldest = old.erase(oldest))
         oldest->second();
@@ -370,8 +379,12 @@ void ReceiverTable::tick(Clock::time_point now, Decisions& decisions)
 {
     for (Plain& plain : plain_)
         plain.subscription.tick(now, decisions);
-    for (auto& [name, group] : groups_)
+    for (auto& [name, group] : groups_) {
         group.subscription.tick(now, decisions);
+        for (auto& [receiver, member] : group.members)
+            if (member.kept.away && member.kept.until <= now)
+                group.subscription.forget_away(member.kept, decisions);
+    }
 }
 
 void ReceiverTable::expect(const Subscriber& subscriber, std::optional<Clock::time_point> until)
@@ -419,13 +432,17 @@ std::size_t ReceiverTable::forget(const std::string& drone, Decisions& decisions
         } else if (plain.subscription.missing() && is_of(plain.receiver, drone)) {
             plain.subscription.cancel(decisions);
         }
-    for (auto& [name, group] : groups_)
+    for (auto& [name, group] : groups_) {
+        for (auto& [receiver, member] : group.members)
+            if (is_of(receiver, drone))
+                group.subscription.forget_away(member.kept, decisions);
         if (group.subscription.awaited()
             && std::ranges::any_of(group.lost, [&](const std::string& name_of) { return is_of(name_of, drone); })) {
             group.subscription.cancel(decisions);
             group.lost.clear();
             ++forgotten;
         }
+    }
     return forgotten;
 }
 

@@ -50,7 +50,12 @@ Demand ReceiverTable::demand() const
     return demand;
 }
 
-bool ReceiverTable::timed() const { return any(&Subscription::timed); }
+bool ReceiverTable::timed() const
+{
+    const auto is_away = [](const auto& row) { return row.second.kept.away.has_value(); };
+    return any(&Subscription::timed)
+           || std::ranges::any_of(groups_, [&](auto& row) { return std::ranges::any_of(row.second.members, is_away); });
+}
 
 /// Does any event wait here for a receiver?
 bool ReceiverTable::waits() const { return any(&Subscription::has_waiting); }
@@ -130,7 +135,7 @@ std::vector<ReceiverTable::Row> ReceiverTable::rows() const
         for (const auto& [receiver, member] : group.members) {
             EdgeStatus& status = rows[{receiver, name, 0}].status;
             add_registered(status, receiver, member.registered);
-            status.events = member.ledger;
+            status.events = member.kept.ledger;
             status.connected = member.registered.now > 0;
         }
         Row& row = rows[{"group " + name, name, 0}];

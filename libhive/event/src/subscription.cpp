@@ -211,7 +211,7 @@ void Subscription::give(Consumers::iterator to, std::int64_t number, Clock::time
     const bool shows = may_show(consumer, job.event);
     consumer.hands.push_back({.job = number, .live = shows ? job.event : nullptr});
     if (consumer.own)
-        consumer.own->came();
+        consumer.own->ledger.came();
     decisions.sends.push_back({id, job.event, consumer.options.delivery, told(number, job)});
     if (!comes_back(job))
         job.event = nullptr;
@@ -322,7 +322,7 @@ void Subscription::acknowledge(Consumer& consumer, std::int64_t count)
         const Handed handed = std::move(consumer.hands.front());
         consumer.hands.pop_front();
         if (consumer.own && !handed.passed_on)
-            consumer.own->went(Fate::acknowledged);
+            consumer.own->ledger.went(Fate::acknowledged);
         close(handed.job, Fate::acknowledged);
     }
 }
@@ -342,7 +342,7 @@ void Subscription::pass_on(Consumer& consumer, Handed& handed, bool failed, bool
 {
     const bool first_time = !std::exchange(handed.passed_on, true);
     if (consumer.own && first_time)
-        consumer.own->went(Fate::passed_on);
+        consumer.own->ledger.went(Fate::passed_on);
     const auto found = open_.find(handed.job);
     if (!holds)
         handed.job = 0;

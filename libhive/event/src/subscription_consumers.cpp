@@ -6,7 +6,7 @@
 
 namespace hive::event {
 
-std::int64_t Subscription::attach(ReceiverId id, const ConnectionOptions& options, const Kept& kept, Ledger* own,
+std::int64_t Subscription::attach(ReceiverId id, const ConnectionOptions& options, const Kept& kept, Member* own,
                                   Clock::time_point now, Decisions& decisions)
 {
     Consumer consumer{.options = options, .own = own, .credit = Credit(options, kept.held)};
@@ -17,10 +17,16 @@ std::int64_t Subscription::attach(ReceiverId id, const ConnectionOptions& option
     awaited_ = false;
     if (std::exchange(missing_as_, std::nullopt) && kept.received)
         missed_.count -= std::clamp(*kept.received, unsure_from_, unsure_to_) - unsure_from_;
-    if (away_)
-        resume(consumer, kept, decisions);
-    else if (!shared())
+    if (own) {
+        own->newest = id;
+        if (kept.received && own->away)
+            resume(consumer, *std::exchange(own->away, std::nullopt), kept, decisions);
+        forget_away(*own, decisions);
+    } else if (away_) {
+        resume(consumer, *std::exchange(away_, std::nullopt), kept, decisions);
+    } else if (!shared()) {
         lossless_.reset();
+    }
     const auto behind = consumer.credit.sent();
     consumers_.emplace(id, std::move(consumer));
     pump(now, decisions);
@@ -28,12 +34,13 @@ std::int64_t Subscription::attach(ReceiverId id, const ConnectionOptions& option
 }
 
 /// If it has kept running, it still has the events that it received and did not acknowledge.
-void Subscription::resume(Consumer& consumer, const Kept& kept, Decisions& decisions)
+void Subscription::resume(Consumer& consumer, Away away, const Kept& kept, Decisions& decisions)
 {
-    Away away = *std::exchange(away_, std::nullopt);
     auto& credit = away.was.credit;
     const auto count = kept.received ? std::clamp(*kept.received, credit.done(), credit.sent()) : credit.done();
-    take_back(away, count);
+    if (const auto job = open_.find(away.failed); kept.received && job != open_.end())
+        --job->second.failures;  // it was silent, not dead
+    shared() ? reclaim(away, count, decisions) : take_back(away, count);
     if (!kept.received)
         abandon_exhausted(decisions);
     credit.begin(consumer.options, count, kept.held);
@@ -62,6 +69,37 @@ void Subscription::take_back(Away& away, std::int64_t count)
     }
 }
 
+/// It has its first `count` deliveries again, and need not share those that no other consumer has got since.
+void Subscription::reclaim(Away& away, std::int64_t count, Decisions& decisions)
+{
+    auto& hands = away.was.hands;
+    const auto stay = static_cast<std::size_t>(count - away.was.credit.done());
+    for (std::size_t i = 0; i < hands.size(); ++i) {
+        const auto job = open_.find(hands[i].job);
+        if (job == open_.end())
+            continue;
+        if (i >= stay) {
+            --job->second.holders;
+        } else if (again_.erase(hands[i].job) > 0 || job->second.holders == 1) {
+            hands[i].passed_on = false;
+            away.was.own->ledger.came();
+        }
+    }
+    hands.resize(stay);
+    settle(decisions);
+}
+
+void Subscription::forget_away(Member& member, Decisions& decisions)
+{
+    const auto away = std::exchange(member.away, std::nullopt);
+    if (!away)
+        return;
+    for (const auto& handed : away->was.hands)
+        if (const auto job = open_.find(handed.job); job != open_.end())
+            --job->second.holders;
+    settle(decisions);
+}
+
 void Subscription::detach(ReceiverId id, Fate how, bool returns, Clock::time_point now, Decisions& decisions)
 {
     auto consumer = consumers_.extract(id);
@@ -70,26 +108,37 @@ void Subscription::detach(ReceiverId id, Fate how, bool returns, Clock::time_poi
     if (how == Fate::lost_killed || how == Fate::lost_cut_off)
         show_hands(id, consumer.mapped(), decisions);
     if (shared())
-        let_go(consumer.mapped(), how);
+        let_go(id, consumer.mapped(), how, returns, now);
     if (!present())
         last_one_left(std::move(consumer.mapped()), how, returns, now, decisions);
     settle(decisions);
     pump(now, decisions);
 }
 
-/// Requeues the jobs of a consumer of a shared subscription.
-void Subscription::let_go(Consumer& consumer, Fate how)
+/// Requeues the jobs of a consumer of a shared subscription. One that may resume can still answer them.
+void Subscription::let_go(ReceiverId id, Consumer& consumer, Fate how, bool returns, Clock::time_point now)
 {
     const auto head = consumer.head();
+    const bool may_resume = consumer.own && consumer.own->newest == id && returns && how != Fate::lost_left
+                            && !(how == Fate::lost_killed && consumer.own->local);
     const bool died = how == Fate::lost_killed || how == Fate::lost_cut_off;
+    std::int64_t at_fault = 0;
     for (auto i = consumer.hands.size(); i-- > 0;) {
         Handed& handed = consumer.hands[i];
         if (handed.job == 0)
             continue;
-        if (const auto job = open_.find(handed.job); job != open_.end() && how != Fate::lost_left)
+        const bool may_have_answered = how != Fate::lost_left || i < head;
+        if (const auto job = open_.find(handed.job); job != open_.end() && may_have_answered)
             job->second.in_doubt = true;
-        pass_on(consumer, handed, died && i == head && !handed.passed_on, false);
+        const bool failed = died && i == head && !handed.passed_on;
+        at_fault = failed ? handed.job : at_fault;
+        pass_on(consumer, handed, failed, may_resume);
+        handed.live = nullptr;
     }
+    if (!may_resume)
+        return;
+    consumer.own->until = now + kept_for;
+    consumer.own->away = Away{.was = std::move(consumer), .how = how, .failed = at_fault};
 }
 
 /// The next consumer starts with new events.
@@ -111,12 +160,13 @@ void Subscription::last_one_left(Consumer&& last, Fate how, bool returns, Clock:
         }
         return clear(how);
     }
-    if (how != Fate::lost_connection && last.works())
-        ++open_.at(last.hands[last.head()].job).failures;  // it may have crashed the receiver
+    const auto failed = how != Fate::lost_connection && last.works() ? last.hands[last.head()].job : 0;
+    if (failed != 0)
+        ++open_.at(failed).failures;  // it may have crashed the receiver
     awaited_until_ = now + kept_for;
     for (auto& handed : last.hands)
         handed.live = nullptr;
-    away_ = Away{.was = std::move(last), .how = how};
+    away_ = Away{.was = std::move(last), .how = how, .failed = failed};
 }
 
 void Subscription::expect(std::optional<Clock::time_point> until, Missed missed)

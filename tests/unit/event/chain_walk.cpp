@@ -71,6 +71,7 @@ private:
         bool connected = false;
         std::int64_t place = 0;
         InputProgress progress{};
+        Subscription::Member member{};
         std::deque<Send> down{};
         std::deque<protocol::Request> up{};
         std::deque<Arrival> arrived{};
@@ -244,16 +245,17 @@ private:
         auto& subscription = *line.from->out;
         if (line.connected)
             return;
-        if (!subscription.awaited())
+        if (line.shared() ? !line.member.away : !subscription.awaited())
             line.place = ++places_;
-        const bool knows = !line.shared() && line.progress.place() == line.place;
+        const bool knows = line.progress.place() == line.place;
         const Subscription::Kept kept{.received = knows ? std::optional(line.progress.arrived()) : std::nullopt,
                                       .held = line.progress.held(!line.to->out || !line.to->out->backlogged())};
         line.id = ++last_id_;
         line.connected = true;
         decide(*line.from, [&](Decisions& to) {
-            const auto taken = subscription.attach(line.id, line.options, kept, nullptr, now_, to);
-            hold(line.progress.begin(1, line.options, line.shared() ? 0 : line.place, taken, kept.held) == knows,
+            const auto taken =
+                subscription.attach(line.id, line.options, kept, line.shared() ? &line.member : nullptr, now_, to);
+            hold(line.progress.begin(1, line.options, line.place, taken, kept.held) == knows,
                  "who comes back in time goes on where it was");
         });
         flush(line);
@@ -280,6 +282,7 @@ private:
                 line.up.clear();
                 line.lost_at = now_;
                 line.progress.lose_place();
+                line.member = {};
                 shared = line.shared();
             }
         drone->out.emplace(kind(*drone, shared));

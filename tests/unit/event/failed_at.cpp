@@ -78,7 +78,7 @@ TEST_CASE("failed at: live events are let go when they are acknowledged, and are
 TEST_CASE("failed at: a member whose lease expires has failed at what it had first")
 {
     Subscription shared({.shared_as = "camera.image#workers", .epoch = 1});
-    Ledger own;
+    Subscription::Member own;
     auto now = start;
     const auto lease = std::chrono::milliseconds(100);
     decided([&](Decisions& to) { shared.attach(1, sharing(lease, 2), {}, &own, now, to); });

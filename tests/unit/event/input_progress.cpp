@@ -127,4 +127,47 @@ TEST_CASE("input progress: a halted receiver reports the end of an event at once
     }
 }
 
+TEST_CASE("input progress: a member repeats what it returned over a connection that was lost, unless that got there")
+{
+    InputProgress input;
+    CHECK_FALSE(input.begin(1, sharing(2), 5, 0, 0));
+    for (int i = 0; i < 2; ++i)
+        input.receive(true, 1 + i);
+    input.heard(input.generation(), 1, true, true, true);
+    const auto first = input.news(true);
+    REQUIRE(first);
+    CHECK(first->back == std::vector<std::int64_t>{1});
+    CHECK(first->done == 1);
+    bool arrived = false;
+    SUBCASE("it may be lost") {}
+    SUBCASE("the next delivery shows that it is not")
+    {
+        arrived = true;
+        input.receive(true, 3);
+    }
+    CHECK(input.place() == 5);
+    CHECK(input.begin(2, sharing(2), 5, input.arrived(), input.held(true)));
+    const auto repeated = input.news(true);
+    REQUIRE(repeated);
+    CHECK(repeated->back.empty() == arrived);
+    CHECK(repeated->done == 1);
+    CHECK_FALSE(input.news(true));
+}
+
+TEST_CASE("input progress: a member that has more to return than a request can hold has no place")
+{
+    InputProgress input;
+    CHECK_FALSE(input.begin(1, sharing(64), 5, 0, 0));
+    for (int i = 0; i < 64; ++i)
+        input.receive(true, 1 + i);
+    for (int i = 0; i < 64; ++i)
+        input.heard(input.generation(), 1 + i, true, true, true);
+    CHECK(input.news(false));
+    CHECK(input.place() == 5);
+    CHECK(input.begin(2, sharing(64), 5, 64, 0));
+    CHECK(input.news(false));
+    input.receive(true, 65);
+    CHECK(input.place() == 0);
+}
+
 }  // namespace hive::event

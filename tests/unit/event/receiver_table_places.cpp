@@ -457,4 +457,27 @@ TEST_CASE("receiver table: who is back at its own place leaves another one of it
         CHECK(row.events.in_flight() == 0);
 }
 
+TEST_CASE("receiver table: a member has a place for 30 s, like a plain receiver")
+{
+    World world;
+    world.add(1, "face", sharing(2));
+    const auto place = world.welcome.place;
+    CHECK(place != 0);
+    world.offer(1, true);
+    world.lose(1, Fate::lost_connection);
+    bool same = true;
+    SUBCASE("in time") {}
+    SUBCASE("too late")
+    {
+        same = false;
+        world.pass(31s);
+    }
+    const auto got = world.add({.id = 2, .receiver = "face", .options = sharing(2), .place = place, .taken = 1});
+    CHECK(got.empty() == same);
+    CHECK((world.welcome.taken == 1) == same);
+    CHECK(world.row("face").events.total() == 2);
+    CHECK(world.row("face").events.in_flight() == 1);
+    CHECK(world.row("group workers").events.in_flight() == 1);
+}
+
 }  // namespace hive::event

@@ -14,7 +14,7 @@ TEST_CASE("job: a lease that expires gives the event to another")
     CHECK(workers.pass(499ms).empty());
     CHECK(workers.pass(1ms) == Got{{2, {1}}});
     CHECK(workers.last_share->attempt == 2);
-    CHECK(workers.ledgers["face-1"].of(Fate::passed_on) == 1);
+    CHECK(workers.members["face-1"].ledger.of(Fate::passed_on) == 1);
     CHECK(workers.all_balanced());
 }
 
@@ -81,7 +81,8 @@ TEST_CASE("job: nothing is given up while anybody holds an attempt, the last or 
     CHECK(workers.failed.empty());
 }
 
-TEST_CASE("job: it is given up when the last of those who could answer is gone, and said so with turn and attempt")
+TEST_CASE(
+    "job: it is given up when the last of those who could answer will not return, and said so with turn and attempt")
 {
     Workers workers(4, sharing(500ms));
     workers.offer(1);
@@ -91,6 +92,8 @@ TEST_CASE("job: it is given up when the last of those who could answer is gone, 
     workers.lose(2, Fate::lost_cut_off);
     CHECK(workers.failed.empty());
     CHECK(workers.lose(3).empty());
+    CHECK(workers.failed.empty());
+    CHECK(workers.forget("face-2").empty());
     CHECK(workers.failed == Sequences{1});
     REQUIRE(workers.last_failed);
     CHECK(*workers.last_failed
@@ -101,7 +104,7 @@ TEST_CASE("job: it is given up when the last of those who could answer is gone, 
     CHECK(workers.all_balanced());
 }
 
-TEST_CASE("job: one that three members died of is given up at once")
+TEST_CASE("job: one that three members died of is given up when none of them can return")
 {
     Workers workers(4);
     workers.offer(1);
@@ -109,6 +112,8 @@ TEST_CASE("job: one that three members died of is given up at once")
     CHECK(workers.lose(2, Fate::lost_cut_off) == Got{{3, {1}}});
     CHECK(workers.failed.empty());
     CHECK(workers.lose(3).empty());
+    CHECK(workers.failed.empty());
+    CHECK(workers.join(5, "face-2").empty());
     CHECK(workers.failed == Sequences{1});
 }
 

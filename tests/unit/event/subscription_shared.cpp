@@ -82,7 +82,40 @@ TEST_CASE("shared: the work of a member that is gone goes to another as the next
     CHECK(workers.lose(1) == Got{{2, {1}}});
     CHECK(workers.last_share->attempt == 2);
     CHECK(workers.last_share->turn == 1);
-    CHECK(workers.ledgers["face-1"].of(Fate::passed_on) == 1);
+    CHECK(workers.members["face-1"].ledger.of(Fate::passed_on) == 1);
+    CHECK(workers.all_balanced());
+}
+
+TEST_CASE("shared: a member that comes back has its work again, unless another has got it, and answers for that too")
+{
+    Workers workers(2, sharing(2));
+    for (const int number : {1, 2, 3, 4, 5})
+        workers.offer(number);  // 1, 3 to the first; 2, 4 to the second
+    workers.ask(2, {3, 1, 1});  // it gets 5, too
+    CHECK(workers.lose(1, Fate::lost_connection).empty());
+    CHECK(workers.done(2, 2, 2) == Got{{2, {1}}});
+    SUBCASE("and has got both")
+    {
+        CHECK(workers.resume(3, "face-1", 2, 2).empty());
+        CHECK(workers.subscription.waiting() == 0);  // 3 is its own again
+        workers.done(3, 2, 2);
+        CHECK(workers.went(Fate::acknowledged) == 4);
+        CHECK(workers.members["face-1"].ledger.of(Fate::acknowledged) == 1);
+        workers.done(2, 4, 2);
+        CHECK(workers.went(Fate::acknowledged) == 5);
+    }
+    SUBCASE("and has got one")
+    {
+        CHECK(workers.resume(3, "face-1", 1, 0) == Got{{3, {3}}});
+        workers.done(3, 2, 2);
+        CHECK(workers.went(Fate::acknowledged) == 4);
+    }
+    SUBCASE("and has restarted")
+    {
+        CHECK(workers.join(3, "face-1") == Got{{3, {3}}});
+        workers.done(3, 1, 2);
+        CHECK(workers.went(Fate::acknowledged) == 3);
+    }
     CHECK(workers.all_balanced());
 }
 
@@ -163,10 +196,10 @@ TEST_CASE("shared: what a member hands back goes to others, and it answers for t
     // It halts: of three deliveries it has begun one.
     CHECK(workers.ask(1, {3, 0, 0}, {2, 3}) == Got{{2, {3, 5}}});
     CHECK(workers.last_share->attempt == 2);
-    CHECK(workers.ledgers["face-1"].of(Fate::passed_on) == 2);
+    CHECK(workers.members["face-1"].ledger.of(Fate::passed_on) == 2);
     // What it handed back counts in its numbers and closes no turn.
     workers.ask(1, {3, 3, 3});
-    CHECK(workers.ledgers["face-1"].of(Fate::acknowledged) == 1);
+    CHECK(workers.members["face-1"].ledger.of(Fate::acknowledged) == 1);
     CHECK(workers.subscription.standing().closed == 2);
     workers.done(2, 5, 3);
     CHECK(workers.subscription.standing().closed == 6);
@@ -183,7 +216,7 @@ TEST_CASE("shared: numbers handed back that a member was never sent, or has done
     CHECK(workers.ask(1, {3, 1, 1}, {1, 2, 99, -7, 0}).empty());
     CHECK(workers.went(Fate::acknowledged) == 1);
     CHECK(workers.ask(2, {2, 0, 0}, {1, 1, 1}) == Got{{1, {2}}});
-    CHECK(workers.ledgers["face-2"].of(Fate::passed_on) == 1);
+    CHECK(workers.members["face-2"].ledger.of(Fate::passed_on) == 1);
     CHECK(workers.all_balanced());
 }
 

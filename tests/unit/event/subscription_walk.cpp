@@ -45,6 +45,8 @@ public:
     {
         const Ledger& ledger = subscription_->ledger();
         hold(balanced(ledger), "offered = ended + in flight");
+        for (const auto& [number, member] : members_)
+            hold(balanced(member.own.ledger), "a member's deliveries are accounted for");
         hold(subscription_->waiting() <= ledger.in_flight(), "what waits is in flight");
         hold(!subscription_->backlogged() || subscription_->has_waiting(), "a backlog waits");
     }
@@ -58,6 +60,11 @@ private:
         std::map<std::int64_t, std::int64_t> has{};  ///< sequence by number; not acknowledged, and not returned
         Lane lane{};
         bool told_end = false;
+        Subscription::Member* own = nullptr;
+    };
+    struct Member {
+        Subscription::Member own{};
+        std::optional<Peer> away{};
     };
 
     void begin()
@@ -69,6 +76,7 @@ private:
         regrouped_ = false;
         peers_.clear();
         away_.reset();
+        members_.clear();
         owed_.clear();
         answered_.clear();
         failed_.clear();
@@ -139,27 +147,49 @@ private:
         if (shared_)
             peer.options.lease = 500ms;
         std::optional<std::int64_t> received;
-        if (away_) {
-            peer.told.done = away_->told.done;
-            if (dice_.yes(50)) {
-                received = dice_.between(away_->told.done, away_->sent);
+        Member* member = shared_ ? &any_member() : nullptr;
+        peer.own = member ? &member->own : nullptr;
+        auto& away = member ? member->away : away_;
+        if (away) {
+            const bool resumes = dice_.yes(50);
+            if (resumes) {
+                received = dice_.between(away->told.done, away->sent);
                 deaths_.clear();  // it was silent, not dead
-                peer.has = away_->has;
+                peer.has = away->has;
                 peer.has.erase(peer.has.upper_bound(*received), peer.has.end());
             }
-            peer.sent = received.value_or(away_->told.done);
-            peer.told.worked = std::min(away_->told.worked, peer.sent);
+            if (resumes || !shared_) {
+                peer.told.done = away->told.done;
+                peer.sent = received.value_or(away->told.done);
+                peer.told.worked = std::min(away->told.worked, peer.sent);
+            }
         }
         peer.told.asked = peer.sent + peer.options.window;
         peer.came_at = sequence_;
-        away_.reset();
+        away.reset();
         const auto id = ++last_id_;
         const auto continues_behind = peer.sent;
         const auto options = peer.options;
+        auto* const own = peer.own;
         peers_[id] = std::move(peer);
         std::int64_t behind = 0;
-        decide([&](Decisions& to) { behind = subscription_->attach(id, options, {received}, nullptr, now_, to); });
+        decide([&](Decisions& to) { behind = subscription_->attach(id, options, {received}, own, now_, to); });
         hold(behind == continues_behind, "deliveries continue behind what the receiver knows of");
+    }
+
+    /// One that is not attached.
+    Member& any_member()
+    {
+        for (;;)
+            if (Member& one = members_[dice_.between(1, 7)];
+                std::ranges::none_of(peers_, [&](auto& row) { return row.second.own == &one.own; }))
+                return one;
+    }
+
+    void forget_away(Member& member)
+    {
+        member.away.reset();
+        decide([&](Decisions& to) { subscription_->forget_away(member.own, to); });
     }
 
     void detach()
@@ -180,6 +210,9 @@ private:
         decide([&](Decisions& to) { subscription_->detach(id, how, returns, now_, to); });
         if (last && !shared_ && subscription_->awaited())
             away_ = peer;
+        for (auto& [number, member] : members_)
+            if (&member.own == peer.own && member.own.away)
+                member.away = peer;
         look();
     }
 
@@ -187,6 +220,8 @@ private:
     {
         now_ += time;
         decide([&](Decisions& to) { subscription_->tick(now_, to); });
+        if (shared_ && dice_.yes(10))
+            forget_away(any_member());
         look();
     }
 
@@ -208,6 +243,9 @@ private:
             peers_.erase(peers_.begin());
             decide([&](Decisions& to) { subscription_->detach(id, Fate::lost_connection, true, now_, to); });
         }
+        for (auto& [number, member] : members_)
+            forget_away(member);
+        members_.clear();
         shared_ = !shared_;
         streams_ = streams_ && !shared_;
         regrouped_ = true;
@@ -240,6 +278,8 @@ private:
     {
         if (peers_.empty())
             attach();
+        for (auto& [number, member] : members_)
+            forget_away(member);
         for (int round = 0; round == 0 || subscription_->ledger().in_flight() > 0; ++round) {
             hold(round < 20'000, "everything ends when all deal with what they get");
             for (auto it = peers_.begin(); it != peers_.end(); ++it) {
@@ -302,6 +342,7 @@ private:
     Clock::time_point now_ = start;
     std::map<ReceiverId, Peer> peers_;
     std::optional<Peer> away_;  ///< as it remembers itself
+    std::map<std::int64_t, Member> members_;
     bool excused_ = false;
     Clock::time_point lost_at_{};
     std::set<std::int64_t> live_, owed_, answered_, failed_;

@@ -45,7 +45,7 @@ public:
         hold(away <= ReceiverTable::max_gone + places_.size(), "who was lost is forgotten in the end");
         hold(!table_.demand().asked || table_.demand().wanted, "an output is asked for events only if it is wanted");
         for (const auto& [id, seat] : seats_)
-            if (seat.place != 0)
+            if (seat.options.group.empty())
                 hold(table_.standing({.receiver = seat.name, .place = seat.place}) == id, "each place has one holder");
     }
 
@@ -78,7 +78,7 @@ private:
                           .receiver = "face-" + std::to_string(dice_.between(1, 5)),
                           .epoch = 1000 + static_cast<std::int64_t>(last_id_),
                           .options = options};
-        if (!places_.empty() && options.group.empty() && dice_.yes(50))
+        if (!places_.empty() && dice_.yes(50))
             come_back(newcomer);
         const auto others =
             std::ranges::count_if(seats_, [&](const auto& row) { return row.second.name == newcomer.receiver; });
@@ -99,8 +99,9 @@ private:
             seat.place = welcome.place;
             seat.sent = welcome.taken;
             seat.known = {welcome.taken + newcomer.options.window, welcome.taken, welcome.taken};
-            hold(options.group.empty() == (welcome.place != 0), "plain receivers have places, members have none");
-            hold(options.group.empty() != welcome.group.has_value(), "members are told how far their group is");
+            hold(welcome.place != 0, "every receiver has a place");
+            hold(newcomer.options.group.empty() != welcome.group.has_value(),
+                 "members are told how far their group is");
         });
         replace_earlier(newcomer, seat.place);
     }
@@ -123,6 +124,8 @@ private:
         const auto place = dice_.one_of(places_);
         newcomer.place = place->first;
         newcomer.receiver = place->second.name;
+        if (newcomer.options.group != place->second.options.group)
+            newcomer.options = place->second.options;
         newcomer.taken = dice_.between(place->second.known.done, place->second.sent);
         places_.erase(place);
     }

@@ -22,7 +22,15 @@ public:
     Got join(ReceiverId id, const std::string& name) { return join(id, name, options_); }
     Got join(ReceiverId id, const std::string& name, const ConnectionOptions& options)
     {
-        return got([&](Decisions& to) { subscription.attach(id, options, {}, &ledgers[name], now, to); });
+        members[name].local = true;
+        return got([&](Decisions& to) { subscription.attach(id, options, {}, &members[name], now, to); });
+    }
+    /// It comes back, and has this many deliveries.
+    Got resume(ReceiverId id, const std::string& name, std::int64_t received, std::int64_t held)
+    {
+        return got([&](Decisions& to) {
+            subscription.attach(id, options_, {received, held}, &members[name], now, to);
+        });
     }
     Got offer(std::int64_t sequence, bool lossless = true)
     {
@@ -46,6 +54,11 @@ public:
     {
         return got([&](Decisions& to) { subscription.cancel(to); });
     }
+    /// This member, which lost its connection, will not return.
+    Got forget(const std::string& name)
+    {
+        return got([&](Decisions& to) { subscription.forget_away(members[name], to); });
+    }
     /// No member will come.
     Got give_up()
     {
@@ -59,15 +72,15 @@ public:
     [[nodiscard]] std::int64_t went(Fate fate) const { return ledger().of(fate); }
     [[nodiscard]] bool all_balanced() const
     {
-        for (const auto& [name, account] : ledgers)
-            if (!balanced(account))
+        for (const auto& [name, member] : members)
+            if (!balanced(member.ledger))
                 return false;
         return balanced(ledger());
     }
 
     [[nodiscard]] const Ledger& ledger() const { return subscription.ledger(); }
 
-    std::map<std::string, Ledger> ledgers;  ///< of the workers
+    std::map<std::string, Subscription::Member> members;
     Subscription subscription;
     Clock::time_point now = start;
     Sequences failed;

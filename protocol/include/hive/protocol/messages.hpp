@@ -55,6 +55,7 @@ struct Request {
     std::int64_t within_ms = most_within_ms;  ///< how long the receiver waits for the answer
 
     static constexpr std::int64_t most_within_ms = 1000;
+    static constexpr std::int64_t most_back = 64;
 };
 std::string to_text(const Request& request);
 Request request_from_json(const Json& object);

@@ -24,7 +24,8 @@ public:
                std::int64_t held);
     /// The sender was restarted, and does not know the place.
     void lose_place() { place_ = 0; }
-    [[nodiscard]] std::int64_t place() const { return place_; }
+    /// Where it may resume; 0: nowhere, also if its request then would return too many deliveries.
+    [[nodiscard]] std::int64_t place() const;
 
     /// May the sender send one more?
     [[nodiscard]] bool allows(bool lossless) const;
@@ -81,10 +82,15 @@ private:
     std::int64_t finished_ = 0;                              ///< processed, in any order
     std::deque<Delivery> in_hand_;                           ///< those behind done_
     std::int64_t unprocessed_before_ = 0, owed_before_ = 0;  ///< of earlier numberings, not processed, or not finished
-    std::vector<std::int64_t> back_;
-    protocol::Request told_;    ///< last
-    std::int64_t allowed_ = 0;  ///< the sender may send up to this number; live events of a stream always
-    bool lossless_ = false;     ///< the last event was
+    struct Returned {
+        std::int64_t number;
+        std::int64_t until;  ///< a delivery beyond this one shows that the sender got the request
+    };
+    std::vector<std::int64_t> back_;  ///< to be returned
+    std::deque<Returned> returned_;   ///< in a request that may have been lost
+    protocol::Request told_;          ///< last
+    std::int64_t allowed_ = 0;        ///< the sender may send up to this number; live events of a stream always
+    bool lossless_ = false;           ///< the last event was
 };
 
 }  // namespace hive::event

@@ -26,13 +26,14 @@ struct Newcomer {
     std::int64_t run = 0;    ///< the epoch of its module, different for each run of a drone
     bool unique = false;     ///< a drone's: the records under its name are its own
     bool guest = false;      ///< passive: no source waits for it
+    bool local = false;      ///< on this machine
     /// If it is registered elsewhere: that registration finishes its events in progress before it ends.
     bool drains = false;
 };
 
 /// The answer to a new registration, and the registration that it replaces.
 struct Welcome {
-    std::int64_t place = 0;            ///< the place at which it may resume; 0 in a group
+    std::int64_t place = 0;            ///< the place at which it may resume
     std::int64_t taken = 0;            ///< its deliveries continue after this number
     std::optional<Share> group{};      ///< the progress of its group's turns
     std::optional<ReceiverId> ends{};  ///< the registration that is replaced by this one
@@ -152,7 +153,8 @@ private:
         bool unique = true;  ///< a drone's; false: the next receiver of this name may be another application
     };
     struct Member {
-        Ledger ledger;
+        Subscription::Member kept{};
+        std::int64_t place = 0;
         Registered registered{};
     };
     struct Group {
@@ -180,12 +182,12 @@ private:
     Welcome seat(const Newcomer& newcomer, Clock::time_point now, Decisions& decisions);
     Welcome join(const Newcomer& newcomer, Clock::time_point now, Decisions& decisions);
     std::optional<Id> make_way(Id before, const Newcomer& newcomer, Clock::time_point now, Decisions& decisions);
-    [[nodiscard]] bool was_last(Group& group, const Newcomer& newcomer);
+    [[nodiscard]] bool was_last(Group& group, const Newcomer& newcomer, Decisions& decisions);
     void inherit(const Newcomer& newcomer, Clock::time_point now, Decisions& decisions);
     void offer_held(const Newcomer& newcomer, Clock::time_point now, Decisions& decisions);
     void depart(Id id, Fate how, bool returns, Clock::time_point now, Decisions& decisions);
     void bequeath(Id before, Id heir);
-    void departed(const Seat& seat, Fate how, bool followed);
+    void departed(const Seat& seat, Fate how, bool followed, Decisions& decisions);
     void unregister(Registered& registered);
     [[nodiscard]] bool any(bool (Subscription::*like)() const) const;
     [[nodiscard]] bool waits() const;

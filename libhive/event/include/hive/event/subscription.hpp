@@ -24,9 +24,10 @@
 //
 // The three departures of a consumer (detach):
 //   left   it deregistered and has acknowledged all that it will. If it was the last, what is left ends.
-// lost its connection ended; it may have processed its deliveries. Not shared: it may return within 30 s, report how
-// much it received, and resume there. Shared: its jobs are requeued, and may be answered twice, so such a job
-// (`in_doubt`) is not reported as failed as long as another consumer may attach.
+// lost its connection ended; it may have processed its deliveries. It may return within 30 s, report how much it
+// received, and resume there. Shared: its jobs are requeued meanwhile, and the first answer counts. If it does not
+// resume, it may have answered, so such a job (`in_doubt`) is not reported as failed as long as another consumer may
+// attach.
 // died as lost, and the job that it was processing has failed once: after three failures a job is not dispatched again.
 //
 // Pure logic: the caller holds the loop and passes in time and events; each call appends its decisions to `Decisions`.
@@ -83,13 +84,14 @@ public:
         std::optional<std::int64_t> received = {};  ///< deliveries received here, if it returns; empty: it restarted
         std::int64_t held = 0;                      ///< unprocessed deliveries of any subscription
     };
+    struct Member;
     explicit Subscription(Kind kind) : kind_(std::move(kind)) {}
 
     void offer(const EmissionPtr& event, Clock::time_point now, Decisions& decisions);
     /// A subscription that is not shared replaces its present consumer.
-    /// @param own  the counters of this consumer of a shared subscription; outlives it
+    /// @param own  the record of this consumer of a shared subscription; outlives it
     /// @return the number after which its deliveries continue
-    std::int64_t attach(ReceiverId id, const ConnectionOptions& options, const Kept& kept, Ledger* own,
+    std::int64_t attach(ReceiverId id, const ConnectionOptions& options, const Kept& kept, Member* own,
                         Clock::time_point now, Decisions& decisions);
     /// @param returned  numbers of deliveries to requeue
     void request(ReceiverId id, const Progress& progress, const std::vector<std::int64_t>& returned,
@@ -99,6 +101,8 @@ public:
     /// @param how      one of Fate::lost_...
     /// @param returns  false: it will not return
     void detach(ReceiverId id, Fate how, bool returns, Clock::time_point now, Decisions& decisions);
+    /// This consumer, which lost its connection, will not resume.
+    void forget_away(Member& member, Decisions& decisions);
     /// The consumer gets nothing more; it still acknowledges its deliveries, and then leaves.
     void retire(ReceiverId id) { consumers_.at(id).retired = true; }
     /// Moves the waiting events of another subscription, which will have no consumer, to this one.
@@ -163,7 +167,7 @@ private:
         EmissionPtr event;  ///< null: a live event, which is never sent again
         int attempt = 0;
         int failures = 0;
-        int holders = 0;        ///< attached consumers that have not returned it
+        int holders = 0;        ///< consumers that have not returned it, and may still answer
         bool in_doubt = false;  ///< a lost consumer may have answered it
         std::optional<Share> adopted_as =
             {};  ///< how it was given out elsewhere: an answer to that stands for this one
@@ -175,7 +179,7 @@ private:
     };
     struct Consumer {
         ConnectionOptions options;
-        Ledger* own;
+        Member* own;
         Credit credit;
         std::deque<Handed> hands{};      ///< not acknowledged, in the order of delivery
         Clock::time_point head_since{};  ///< since when the first unprocessed one has been the first
@@ -191,6 +195,7 @@ private:
     struct Away {
         Consumer was;
         Fate how;
+        std::int64_t failed = 0;  ///< the job that counts as one it died of
     };
     using Consumers = std::map<ReceiverId, Consumer>;
 
@@ -221,11 +226,12 @@ private:
     void acknowledge(Consumer& consumer, std::int64_t count);
     void close(std::int64_t job, Fate fate);
     void pass_on(Consumer& consumer, Handed& handed, bool failed, bool holds);
-    void let_go(Consumer& consumer, Fate how);
+    void let_go(ReceiverId id, Consumer& consumer, Fate how, bool returns, Clock::time_point now);
     [[nodiscard]] bool may_show(const Consumer& consumer, const EmissionPtr& event) const;
     void show_hands(ReceiverId id, const Consumer& consumer, Decisions& decisions) const;
-    void resume(Consumer& consumer, const Kept& kept, Decisions& decisions);
+    void resume(Consumer& consumer, Away away, const Kept& kept, Decisions& decisions);
     void take_back(Away& away, std::int64_t count);
+    void reclaim(Away& away, std::int64_t count, Decisions& decisions);
     void abandon_exhausted(Decisions& decisions);
     void last_one_left(Consumer&& last, Fate how, bool returns, Clock::time_point now, Decisions& decisions);
     void skip_newest_live();
@@ -260,6 +266,15 @@ private:
     Missed missed_;
     bool missed_more_ = false;                      ///< since the last tick
     std::int64_t unsure_from_ = 0, unsure_to_ = 0;  ///< deliveries counted as missed, unless the consumer got them
+};
+
+/// What a shared subscription remembers of a consumer between its registrations.
+struct Subscription::Member {
+    Ledger ledger;
+    ReceiverId newest = 0;       ///< its last registration
+    bool local = false;          ///< it is on this machine, where lost_killed is certain
+    std::optional<Away> away{};  ///< what that had in hand when its connection ended
+    Clock::time_point until{};   ///< kept so long
 };
 
 }  // namespace hive::event
