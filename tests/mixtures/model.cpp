@@ -13,10 +13,12 @@
 //   - A sender starts anew, and two or more plain drones receive it: it does not know them before they have come back,
 //     so what it sends meanwhile reaches only those that have.
 //   - A drone whose code throws starts anew: exceptions wait for nobody, and who hears them has to come back first.
-//   - Two machines are parted for so long that a place may be given up.
+//   - Two machines are parted, or a drone is dead meanwhile, for so long that a place may be given up.
 //
-// Known and open: an exception that says that an event was given up may come beside its result or exception
-// (../simulation/README.md).
+// What nobody can promise: an exception that says that an event was given up may come beside a result of the event. Its
+// drone may have been killed or replaced before it acknowledged the event, may share its work with another drone that
+// had the event, too, or may have been told that a receiver is disconnected which was still working on it. Only who
+// collects both in order gets one of them (SPEC.md, section 8.5).
 //
 // A live source owes nothing but that no result comes twice, and that what is collected in order is in order.
 #include "model.hpp"
@@ -47,8 +49,6 @@ std::string joined(const std::vector<std::string>& names)
 
 /// Without its peer, for at least so long.
 constexpr int place_kept_ms = 20'000;
-
-bool says_given_up(const Outcome& outcome) { return outcome.failed && outcome.text.starts_with("abandoned"); }
 
 }  // namespace
 
@@ -87,6 +87,10 @@ void Model::before(const Step& step)
     condition_.follow(step);
     if (step.verb == Verb::stop || (step.verb == Verb::start && stopped_.contains(step.drone)))
         began_anew(step.drone);
+    if (step.verb == Verb::kill || step.verb == Verb::set_and_kill || step.verb == Verb::replace)
+        cut_short_.insert({step.drone, step.sender});  // two may be replaced at once
+    else if (step.verb == Verb::disconnect || step.verb == Verb::forget)
+        cut_short_.insert(step.sender);
     if (step.verb == Verb::stop)
         stopped_.insert(step.drone);
     else if (step.verb == Verb::start)
@@ -100,10 +104,23 @@ void Model::before(const Step& step)
     for (const auto& edge : topology_.edges())
         if (was.connected(edge.sender, edge.receiver) && !condition_.connected(edge.sender, edge.receiver))
             left(edge.sender, edge.receiver, has_another(edge.sender, edge.receiver, false));
-    if (step.verb == Verb::part && step.number > place_kept_ms)
-        excuse("");
+    if (step.verb == Verb::part)
+        passes(step.number);
     if (step.verb == Verb::forget)
         left(step.sender, step.drone, has_another(step.sender, step.drone, true));
+}
+
+/// @param ms  in which a place may be given up
+void Model::passes(int ms)
+{
+    if (ms > place_kept_ms)
+        excuse("");
+    for (const auto& [drone, life] : condition_.lives()) {
+        auto& away = away_ms_[drone];
+        away = condition_.runs(drone) ? 0 : away + ms;
+        if (away > place_kept_ms && drone != source && drone != watcher)
+            excuse(topology_.stages.at(topology_.stage_of(drone)).shared() ? "" : drone);
+    }
 }
 
 std::set<std::string> Model::halted() const
@@ -209,13 +226,20 @@ std::vector<Model::Way> Model::ways() const
     return ways;
 }
 
+bool Model::may_come_beside(const Outcome& outcome) const
+{
+    const auto& drone = outcome.sender;
+    return outcome.failed && outcome.text.starts_with("abandoned")
+           && (cut_short_.contains(drone) || (drone != source && topology_.stages[topology_.stage_of(drone)].shared()));
+}
+
 std::optional<std::string> Model::came(const Outcome& outcome)
 {
     const auto way = way_of(outcome);
     const auto event = std::pair(outcome.epoch, outcome.sequence);
     auto& before = came_[event];
     for (const auto& other : before)
-        if (says_given_up(other.outcome) == says_given_up(outcome)
+        if (may_come_beside(other.outcome) == may_come_beside(outcome)
             && (other.way == way || (other.outcome.failed && begins_with(way, other.way))
                 || (outcome.failed && begins_with(other.way, way))))
             return "once: event " + number_of(event.first, event.second) + " was answered twice: by "

@@ -64,6 +64,9 @@ private:
     void excuse(const std::string& drone);
     void excuse_receivers_of(const std::string& drone);
     void began_anew(const std::string& drone);
+    void passes(int ms);
+    /// Is it an exception that may come beside a result, see the first lines of model.cpp?
+    [[nodiscard]] bool may_come_beside(const Outcome& outcome) const;
     /// Nobody works for the sender any more what this receiver has not answered, or `another` does.
     void left(const std::string& sender, const std::string& receiver, bool another);
     [[nodiscard]] bool has_another(const std::string& sender, const std::string& receiver, bool running) const;
@@ -71,7 +74,9 @@ private:
     Topology topology_;
     Condition condition_;
     std::vector<Excuse> excuses_;
-    bool began_anew_ = false;        ///< some drone did
+    bool began_anew_ = false;          ///< some drone did
+    std::set<std::string> cut_short_;  ///< drones that may have given up events and not acknowledged them
+    std::map<std::string, int> away_ms_;
     std::set<std::string> stopped_;  ///< drones that have forgotten what they were told, and for whom they worked
     std::set<std::pair<std::string, std::string>> alone_;  ///< sender, receiver: connected alone, whatever its stage is
     std::map<std::pair<std::int64_t, std::int64_t>, std::vector<Came>> came_;

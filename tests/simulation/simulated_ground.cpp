@@ -95,6 +95,9 @@ SimulatedGround::SimulatedGround(World& world, const mixtures::Plan& plan, const
 /// After a failed round the drones still run and use this.
 SimulatedGround::~SimulatedGround()
 {
+    ending_ = true;
+    if (watching_ && !world_.current()->dead)
+        until([this] { return watching_->dead; });  // its destructors must not be cut off
     for (auto* const guest : guests_)
         world_.kill(*guest);
     for (const auto& [drone, running] : running_)

@@ -168,7 +168,9 @@ private:
     std::map<std::tuple<std::string, std::int64_t, std::int64_t, std::int64_t>, bool> throws_;
     int disturbances_ = 0;  ///< faults so far, and orders that are not for the source
     int liars_ = 0, watchers_ = 0, callers_ = 0;
-    std::vector<Process*> guests_;     ///< processes outside of the round: liars, their receivers, and watchers
+    std::vector<Process*> guests_;  ///< processes outside of the round: liars, their receivers, and watchers
+    Process* watching_ = nullptr;   ///< of them, the last watcher
+    bool ending_ = false;
     std::vector<std::string> fallen_;  ///< of them
     std::int64_t fed_ = 1;
     Collected collected_;

@@ -24,7 +24,7 @@ void SimulatedGround::watch_sometimes()
     if (!has(mixtures::fault::ends) || !all_answer() || !std::ranges::all_of(guests_, dead) || !world_.chance(50))
         return;
     const auto name = "watcher-" + std::to_string(++watchers_);
-    guests_.push_back(&world_.spawn(name, [this, name] { watch_until_the_end(name); }));
+    watching_ = guests_.emplace_back(&world_.spawn(name, [this, name] { watch_until_the_end(name); }));
 }
 
 /// After a fault in between, the old state may be returned after 1 s.
@@ -35,7 +35,7 @@ try {
     Application application(application_named(name, short_timeout));
     const auto collector =
         application.collect(ends(), {.connection = {.delivery = Delivery::notification, .group = {}, .lease = {}}});
-    for (const auto last = world_.now() + 5s; world_.now() < last && !collector->ended();)
+    for (const auto last = world_.now() + 5s; world_.now() < last && !ending_ && !collector->ended();)
         static_cast<void>(collector->next(10ms));
     const auto produced = statuses().at(mixtures::source).outputs.at(0).produced;
     if (collector->ended() && disturbances_ == before && all_answer() && produced < fed)
