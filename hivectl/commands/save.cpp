@@ -60,8 +60,7 @@ std::string source_of(hive::Application& application, std::string drone)
         const auto answer = application.status(std::vector{drone}).at(0);
         if (answer.error || answer.status.inputs.empty())
             break;
-        const auto& from = answer.status.inputs.front().from;
-        drone = from.substr(0, from.rfind('.'));
+        drone = hive::parse_endpoint(answer.status.inputs.front().from).drone;
     }
     return drone;
 }

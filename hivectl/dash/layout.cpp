@@ -71,7 +71,7 @@ std::string id_of(const hive::ConnectionEnds& ends) { return ends.from + ">" + e
 
 std::string owner_of(const std::string& end, const hive::SwarmGraph& graph)
 {
-    const auto name = end.substr(0, end.rfind('.'));
+    const auto name = hive::parse_endpoint(end).drone;
     return std::ranges::find(graph.drones, name, &hive::GraphDrone::name) == graph.drones.end() ? end : name;
 }
 

@@ -23,10 +23,10 @@ using namespace std::chrono_literals;
 
 hive::Endpoint end_of(const std::string& text)
 {
-    const auto dot = text.rfind('.');
-    if (dot == std::string::npos)
+    auto end = hive::parse_endpoint(text);
+    if (end.port.empty())
         throw hive::Error(hive::Errc::invalid_argument, hive::in_quotes(text) + " is not DRONE.PORT");
-    return {text.substr(0, dot), text.substr(dot + 1)};
+    return end;
 }
 
 /// The current options of the connection: those that the page does not name stay.

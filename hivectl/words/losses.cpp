@@ -36,17 +36,11 @@ std::int64_t arrived_unseen(const hive::Ledger& events, const hive::InputStatus&
     return std::max<std::int64_t>(0, here.received - events.of(Fate::acknowledged) - events.in_flight());
 }
 
-hive::Endpoint endpoint_of(const hive::InputStatus& input)
-{
-    const auto dot = input.input.rfind('.');
-    return {input.input.substr(0, dot), input.input.substr(dot + 1)};
-}
-
 /// The row of this registration at its sender, null: the sender does not answer or was restarted.
 const hive::EdgeStatus* row_of(const std::string& receiver, const hive::InputStatus& here,
                                const std::vector<hive::StatusAnswer>& senders)
 {
-    const auto from = endpoint_of(here);
+    const auto from = hive::parse_endpoint(here.input);
     const auto answer = std::ranges::find(senders, from.drone, &hive::StatusAnswer::drone);
     if (answer == senders.end() || answer->error)
         return nullptr;
@@ -83,7 +77,7 @@ std::vector<Loss> losses_now(hive::Application& application, const std::vector<h
 {
     std::vector<std::string> drones;
     for (const auto& input : here)
-        add_new(drones, {endpoint_of(input).drone});
+        add_new(drones, {hive::parse_endpoint(input.input).drone});
     application.timeout(std::chrono::seconds(1));
     return losses_of(application.name(), here, application.status(drones));
 }

@@ -13,7 +13,7 @@ namespace {
 void add_new(std::vector<hive::Endpoint>& endpoints, std::vector<hive::Endpoint> more)
 {
     for (auto& end : more)
-        if (std::ranges::none_of(endpoints, [&](const auto& known) { return to_text(known) == to_text(end); }))
+        if (std::ranges::find(endpoints, end) == endpoints.end())
             endpoints.push_back(std::move(end));
 }
 
@@ -29,9 +29,8 @@ std::vector<hive::Endpoint> matching(hive::Application& application, const std::
         return found;
     };
     auto found = all_like(pattern, "");
-    const auto dot = pattern.rfind('.');
-    if (found.empty() && dot != std::string::npos)
-        found = all_like(std::string_view(pattern).substr(0, dot), pattern.substr(dot + 1));
+    if (const auto end = hive::parse_endpoint(pattern); found.empty() && !end.port.empty())
+        found = all_like(end.drone, end.port);
     if (found.empty())
         throw hive::Error(hive::Errc::not_found, "no drone matches " + hive::in_quotes(pattern),
                           "see what runs: hivectl ps");

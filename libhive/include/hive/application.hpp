@@ -81,15 +81,19 @@ struct SetResult {
 struct Endpoint {
     std::string drone;
     std::string port;  ///< empty: inferred, when only one pair fits
+
+    bool operator==(const Endpoint&) const = default;
 };
 std::string to_text(const Endpoint& end);  // "camera.image", "camera"
+/// Splits at the last dot: a drone's name may have dots, a port has none. Application::endpoint() knows the drones.
+Endpoint parse_endpoint(std::string_view text);
 
 /// A connection between two drones. An empty port is inferred when the connection is made.
 struct SwarmConnection {
     Endpoint from, to;
     ConnectionOptions options;
 
-    bool operator==(const SwarmConnection& other) const;
+    bool operator==(const SwarmConnection&) const = default;
 };
 
 /// The result of one connection of several: the ports that were used, or an error.

@@ -78,12 +78,10 @@ std::vector<std::string> Application::find(const std::string& pattern)
 
 Endpoint Application::endpoint(const std::string& text)
 {
-    const auto dot = text.rfind('.');
-    if (dot == std::string::npos)
-        return {text, ""};
-    const Endpoint with_port{text.substr(0, dot), text.substr(dot + 1)};
+    auto with_port = parse_endpoint(text);
     auto& directory = core_->directory;
-    if (directory.find_known(text) || (!directory.find_known(with_port.drone) && directory.find(text)))
+    if (with_port.port.empty() || directory.find_known(text)
+        || (!directory.find_known(with_port.drone) && directory.find(text)))
         return {text, ""};  // the network is queried only if no nearer drone matches
     return with_port;
 }

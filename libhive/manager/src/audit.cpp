@@ -32,8 +32,6 @@ std::optional<Answers> answers_of(const Looks& looks, const std::string& drone)
 /// What a row of closed connections has as its sender: an input keeps only their sum.
 const std::string closed = "closed connections";
 
-std::string drone_of(const std::string& end) { return end.substr(0, end.rfind('.')); }
-
 /// All edges of an output for one receiver: plain and in each group, since a receiver counts these together.
 struct Sent {
     std::int64_t acknowledged = 0, sent = 0;
@@ -163,7 +161,7 @@ void add_losses(AuditRow& row, const Status* at_receiver)
         if (events > 0)
             row.losses.push_back({std::string(fate), at, events, promised, promised ? last_us : 0, reason});
     };
-    const auto sender = drone_of(row.ends.from), receiver = drone_of(row.ends.to);
+    const auto sender = parse_endpoint(row.ends.from).drone, receiver = parse_endpoint(row.ends.to).drone;
     if (const auto& edge = row.ends.at_sender) {
         last_us = edge->last_lost_us;
         for (const auto fate : {Fate::skipped, Fate::dropped, Fate::abandoned, Fate::lost_connection, Fate::lost_killed,
@@ -248,8 +246,8 @@ Audit audit(const std::vector<StatusAnswer>& first, const std::vector<StatusAnsw
     Audit audit;
     for (auto& ends : connection_ends(third)) {
         AuditRow row{.ends = std::move(ends)};
-        const auto sender = answers_of(looks, drone_of(row.ends.from));
-        const auto receiver = row.ends.is_group() ? std::nullopt : answers_of(looks, drone_of(row.ends.to));
+        const auto sender = answers_of(looks, parse_endpoint(row.ends.from).drone);
+        const auto receiver = row.ends.is_group() ? std::nullopt : answers_of(looks, parse_endpoint(row.ends.to).drone);
         row.sender_answers = sender.has_value();
         row.receiver_answers = receiver.has_value();
         check_ends(row);

@@ -234,7 +234,7 @@ void MailboxCollector::follow_those_on_the_way(const Event& event)
     for (const auto& hop : event.identity.hops)
         hear_exceptions(hop.drone);
     for (const auto& share : event.identity.shares)
-        hear_exceptions(share.of.substr(0, share.of.substr(0, share.of.find('#')).rfind('.')));
+        hear_exceptions(parse_endpoint(share.of.substr(0, share.of.find('#'))).drone);
 }
 
 CollectCounts MailboxCollector::counts() const
@@ -266,7 +266,7 @@ std::set<std::string> upstream_of(Application& application, std::vector<std::str
         const auto answers = application.status(std::exchange(drones, {}));
         for (const auto& answer : answers)
             for (const auto& input : answer.error ? std::vector<InputStatus>{} : answer.status.inputs)
-                if (auto name = input.from.substr(0, input.from.rfind('.')); !name.empty() && found.insert(name).second)
+                if (auto name = parse_endpoint(input.from).drone; !name.empty() && found.insert(name).second)
                     drones.push_back(std::move(name));
     }
     return found;

@@ -21,7 +21,7 @@ std::string host_of(const std::string& end, const std::vector<StatusAnswer>& sta
     const auto knows = [&](const std::string& name) { return std::ranges::find(statuses, name, &StatusAnswer::drone); };
     auto found = knows(end);
     if (found == statuses.end())
-        found = knows(end.substr(0, end.rfind('.')));
+        found = knows(parse_endpoint(end).drone);
     return found == statuses.end() ? "" : found->place.host;
 }
 

@@ -13,7 +13,7 @@ namespace {
 /// The drone of "camera.image" among those of the graph, or the whole text: an application.
 std::string owner_of(const std::string& end, const std::set<std::string>& drones)
 {
-    auto name = end.substr(0, end.rfind('.'));
+    auto name = parse_endpoint(end).drone;
     return drones.contains(name) ? name : end;
 }
 

@@ -71,8 +71,6 @@ void append(std::vector<SwarmFailure>& all, std::vector<SwarmFailure> more)
     std::ranges::move(more, std::back_inserter(all));
 }
 
-std::string text_of(const Endpoint& end) { return end.port.empty() ? end.drone : end.drone + "." + end.port; }
-
 bool starts_elsewhere(const SwarmPlan& plan, const std::vector<SwarmStep>& steps)
 {
     return std::ranges::any_of(drones_of(steps, What::start),
@@ -120,7 +118,7 @@ std::string_view token(What what) noexcept
 std::string to_text(const SwarmStep& step)
 {
     if (step.what == What::connect || step.what == What::disconnect)
-        return text_of(step.connection.from) + " -> " + text_of(step.connection.to);
+        return to_text(step.connection.from) + " -> " + to_text(step.connection.to);
     std::string text = step.drone;
     for (const auto& [name, value] : step.values.items())
         text += " " + assignment(name, value);

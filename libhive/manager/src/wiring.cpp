@@ -15,6 +15,12 @@ using protocol::PacketType;
 
 std::string to_text(const Endpoint& end) { return end.port.empty() ? end.drone : end.drone + "." + end.port; }
 
+Endpoint parse_endpoint(std::string_view text)
+{
+    const auto dot = std::min(text.rfind('.'), text.size());
+    return {std::string(text.substr(0, dot)), std::string(text.substr(std::min(dot + 1, text.size())))};
+}
+
 std::pair<Endpoint, Endpoint> Application::connect(const Endpoint& sender, const Endpoint& receiver,
                                                    const ConnectionOptions& options)
 {

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <optional>
 #include <unistd.h>
+#include <vector>
 
 namespace hive {
 namespace {
@@ -57,6 +58,13 @@ private:
 };
 
 }  // namespace
+
+TEST_CASE("endpoint: the part after the last dot is the port, since a drone's name may have dots")
+{
+    for (const auto& end : std::vector<Endpoint>{{"camera", ""}, {"camera", "image"}, {"cam.2", "image"}})
+        CHECK(parse_endpoint(to_text(end)) == end);
+    CHECK(parse_endpoint("camera.") == Endpoint{"camera", ""});
+}
 
 TEST_CASE("place list: what one process writes another reads, and what is forgotten is gone")
 {

@@ -21,12 +21,6 @@ std::string tenths(double number)
     return std::to_string(rounded / 10) + "." + std::to_string(rounded % 10);
 }
 
-Endpoint endpoint(const std::string& end)
-{
-    const auto drone = explaining::owner_of(end);
-    return {drone, end.substr(std::min(end.size(), drone.size() + 1))};
-}
-
 std::string joined(const std::vector<std::string>& lines)
 {
     std::string text;
@@ -40,7 +34,7 @@ std::string reconnected(const Stage& stage, const ConnectionOptions& options)
 {
     std::vector<std::string> lines;
     for (const auto& member : stage.members)
-        lines.push_back(connect_line({endpoint(stage.from), {member, port_of(stage.to)}, options}));
+        lines.push_back(connect_line({parse_endpoint(stage.from), {member, parse_endpoint(stage.to).port}, options}));
     return joined(lines);
 }
 
@@ -83,13 +77,13 @@ std::string further_member(Application& application, const Measured& measured, c
 {
     const auto& stage = measured.line.stages[change.stage];
     std::vector<std::string> drones = stage.members;
-    drones.push_back(explaining::owner_of(stage.from));
+    drones.push_back(parse_endpoint(stage.from).drone);
     const auto is_member = [&](const std::string& drone) {
         return std::ranges::find(stage.members, drone) != stage.members.end();
     };
     for (const auto& answer : application.status(application.drones()))
         if (!answer.error && std::ranges::any_of(answer.status.inputs, [&](const InputStatus& input) {
-                return is_member(explaining::owner_of(input.from));
+                return is_member(parse_endpoint(input.from).drone);
             }))
             drones.push_back(answer.drone);
     auto plan = swarm::running_plan(application, "advice", drones);
@@ -103,11 +97,11 @@ std::string further_member(Application& application, const Measured& measured, c
         added.host = change.name;
         plan.engines.emplace_back(change.name, SwarmEngine{"ssh", measured.line.machines.at(change.name).ssh});
     }
-    const auto group = free_group(application.status(explaining::owner_of(stage.from)), first);
+    const auto group = free_group(application.status(parse_endpoint(stage.from).drone), first);
     std::vector<std::string> lines{start_line(plan, added)};
     for (auto connection : plan.connections) {
         const bool receives = std::ranges::find(stage.members, connection.to.drone) != stage.members.end()
-                              && connection.from.drone == drone_of(explaining::owner_of(stage.from));
+                              && connection.from.drone == drone_of(parse_endpoint(stage.from).drone);
         if (receives && connection.options.group.empty()) {
             connection.options.group = group;
             connection.options.first_frame = false;

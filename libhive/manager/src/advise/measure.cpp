@@ -12,7 +12,6 @@ namespace {
 
 using namespace std::chrono_literals;
 using explaining::Look;
-using explaining::owner_of;
 using Clock = std::chrono::steady_clock;
 
 /// The measurements of the events of one output.
@@ -88,7 +87,7 @@ double ratio(double sum, double count) { return count > 0 ? sum / count : 0; }
 std::string output_of(const std::vector<Step>& way, std::size_t i, const Status& status)
 {
     if (i + 1 < way.size())
-        return port_of(way[i + 1].from);
+        return parse_endpoint(way[i + 1].from).port;
     for (const auto& output : status.outputs)
         if (output.name != "exceptions" && output.produced > 0)
             return output.name;
@@ -195,7 +194,8 @@ void add_sender(Stage& stage, const Status& before, const Status& now, const Ste
     stage.saturated = missed > noticeable * came;
     for (const auto& output : now.outputs)
         for (const auto& row : output.edges)
-            if (row.connected && output.name == port_of(step.from) && row.receiver.starts_with(drone_of(member) + "."))
+            if (row.connected && output.name == parse_endpoint(step.from).port
+                && row.receiver.starts_with(drone_of(member) + "."))
                 stage.encoding = row.encoding;
     if (!stage.encoding.empty() && stage.encoding != "raw")
         stage.encode_us = ratio(static_cast<double>(now.encoding_us - before.encoding_us), encoded);
@@ -246,7 +246,7 @@ Stage stage_of(const Looks& looks, const AllSeen& all, const std::vector<Step>& 
     if (step.from.empty())
         return stage;
     const auto& receiver = *looks.after.find(step.members.front());
-    const auto* sender = looks.after.find(owner_of(step.from));
+    const auto* sender = looks.after.find(parse_endpoint(step.from).drone);
     stage.to = receiver.drone + "." + step.input;
     stage.remote = stage.round_trip_us > 0 || sender->place.host != receiver.place.host;
     const auto* before = looks.earlier(*sender);
@@ -310,12 +310,12 @@ void ask_interfaces(Application& application, const Looks& looks, Line& line)
 std::optional<Encoded> try_jpeg(Application& application, const Stage& stage)
 {
     constexpr int wanted = 3;
-    const auto sender = owner_of(stage.from);
+    const auto sender = parse_endpoint(stage.from).drone;
     const auto before = application.status(sender).encoding_us;
     CollectOptions options;
     options.connection.window = 1;
     options.connection.encoding = "jpeg";
-    const auto collector = application.collect({{sender, port_of(stage.from)}}, options);
+    const auto collector = application.collect({{sender, parse_endpoint(stage.from).port}}, options);
     Encoded sum;
     int events = 0;
     for (const auto end = Clock::now() + 2s; events < wanted && Clock::now() < end;)
@@ -338,8 +338,8 @@ void try_encodings(Application& application, Line& line)
         if (line.on_demand || !stage.remote || stage.encode_us > 0 || line.stages[i - 1].bytes <= 0
             || stage.transit_us < much * (stage.round_trip_us + stage.work_us + stage.transit_us))
             continue;
-        const auto interface = application.describe(owner_of(stage.from));
-        const auto* port = interface.output(port_of(stage.from));
+        const auto interface = application.describe(parse_endpoint(stage.from).drone);
+        const auto* port = interface.output(parse_endpoint(stage.from).port);
         if (!port || std::ranges::find(port->encodings, std::string("jpeg"), &Encoding::word) == port->encodings.end())
             continue;
         if (const auto jpeg = try_jpeg(application, stage))

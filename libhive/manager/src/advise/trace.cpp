@@ -10,7 +10,6 @@ namespace hive::advising {
 namespace {
 
 using explaining::Look;
-using explaining::owner_of;
 
 const StatusAnswer* answering(const Look& look, const std::string& drone)
 {
@@ -21,7 +20,8 @@ const StatusAnswer* answering(const Look& look, const std::string& drone)
 /// Does it receive from that drone, directly or indirectly?
 bool carries_events(const Look& look, const InputStatus& input)
 {
-    return input.connected && input.options.delivery == Delivery::data && answering(look, owner_of(input.from));
+    return input.connected && input.options.delivery == Delivery::data
+           && answering(look, parse_endpoint(input.from).drone);
 }
 
 bool comes_from(const Look& look, const std::string& drone, const std::string& source, std::set<std::string>& seen)
@@ -30,7 +30,7 @@ bool comes_from(const Look& look, const std::string& drone, const std::string& s
     if (!answer || !seen.insert(answer->drone).second)
         return false;
     return answer->drone == source || std::ranges::any_of(answer->status.inputs, [&](const InputStatus& input) {
-               return carries_events(look, input) && comes_from(look, owner_of(input.from), source, seen);
+               return carries_events(look, input) && comes_from(look, parse_endpoint(input.from).drone, source, seen);
            });
 }
 
@@ -40,10 +40,10 @@ const InputStatus* input_on_way(const Look& look, const Status& status, const st
 {
     const InputStatus* found = nullptr;
     for (const auto& input : status.inputs) {
-        if (!carries_events(look, input) || passed.contains(answering(look, owner_of(input.from))->drone))
+        if (!carries_events(look, input) || passed.contains(answering(look, parse_endpoint(input.from).drone)->drone))
             continue;
         auto seen = passed;
-        if ((source.empty() || comes_from(look, owner_of(input.from), source, seen))
+        if ((source.empty() || comes_from(look, parse_endpoint(input.from).drone, source, seen))
             && (!found || input.last_age_us > found->last_age_us))
             found = &input;
     }
@@ -80,7 +80,7 @@ std::vector<Step> way_to(const Look& look, const std::string& target, const std:
         way.insert(way.begin(), step);
         if (!input)
             return source.empty() || answer->drone == source ? way : std::vector<Step>();
-        answer = answering(look, owner_of(input->from));
+        answer = answering(look, parse_endpoint(input->from).drone);
     }
     return {};
 }
@@ -91,7 +91,7 @@ std::vector<std::string> last_drones(const Look& look)
     std::set<std::string> senders;
     for (const auto& answer : look.answers)
         for (const auto& input : answer.status.inputs)
-            if (const auto* sender = input.connected ? answering(look, owner_of(input.from)) : nullptr)
+            if (const auto* sender = input.connected ? answering(look, parse_endpoint(input.from).drone) : nullptr)
                 senders.insert(sender->drone);
     std::vector<std::string> last;
     for (const auto& answer : look.answers)
@@ -115,9 +115,10 @@ std::vector<const InputStatus*> inputs_of(const Status& member, const Step& step
 {
     std::vector<const InputStatus*> rows;
     for (const auto& input : member.inputs)
-        if (input.connected && input.input == step.input && port_of(input.from) == port_of(step.from)
-            && std::ranges::any_of(step.senders,
-                                   [&](const auto& sender) { return drone_of(sender) == owner_of(input.from); }))
+        if (input.connected && input.input == step.input
+            && parse_endpoint(input.from).port == parse_endpoint(step.from).port
+            && std::ranges::any_of(
+                step.senders, [&](const auto& sender) { return drone_of(sender) == parse_endpoint(input.from).drone; }))
             rows.push_back(&input);
     return rows;
 }
@@ -126,14 +127,12 @@ const EdgeStatus* edge_of(const Status& sender, const Step& step, const std::str
 {
     const auto receiver = step.group.empty() ? drone_of(member) + "." + step.input : "group " + step.group;
     for (const auto& output : sender.outputs)
-        if (output.name == port_of(step.from))
+        if (output.name == parse_endpoint(step.from).port)
             for (const auto& edge : output.edges)
                 if (edge.receiver == receiver && edge.group == !step.group.empty())
                     return &edge;
     return nullptr;
 }
-
-std::string port_of(const std::string& end) { return end.substr(end.rfind('.') + 1); }
 
 std::vector<std::vector<Step>> trace(const Look& look, const std::vector<std::string>& drones)
 {

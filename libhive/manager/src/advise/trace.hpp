@@ -25,7 +25,5 @@ std::vector<std::vector<Step>> trace(const explaining::Look& look, const std::ve
 std::vector<const InputStatus*> inputs_of(const Status& member, const Step& step);
 /// The row at the sender of a member, or of the group as a whole; null: missing.
 const EdgeStatus* edge_of(const Status& sender, const Step& step, const std::string& member);
-/// "image" of "camera.image".
-std::string port_of(const std::string& end);
 
 }  // namespace hive::advising

@@ -22,19 +22,12 @@ constexpr std::size_t max_described = 32;
 /// The parameters that name a drone's source or destination.
 constexpr std::array<const char*, 3> places{"source", "url", "file"};
 
-/// A peer may report an end without a port.
-Endpoint endpoint(const std::string& end)
-{
-    const auto drone = owner_of(end);
-    return {drone, end.substr(std::min(end.size(), drone.size() + 1))};
-}
-
 /// The connection of the cause.
 std::pair<Endpoint, Endpoint> ends_of(const Cause& cause)
 {
     const std::string arrow = " -> ";
     const auto at = cause.connection.find(arrow);
-    return {endpoint(cause.connection.substr(0, at)), endpoint(cause.connection.substr(at + arrow.size()))};
+    return {parse_endpoint(cause.connection.substr(0, at)), parse_endpoint(cause.connection.substr(at + arrow.size()))};
 }
 
 /// The parameter that sets its source, and its value; empty: none.
@@ -219,7 +212,8 @@ std::optional<Cause> unconnected_pair(Application& application, const Endpoint& 
         return std::nullopt;
     const auto receives = [](const StatusAnswer& to, const StatusAnswer& from, const std::string& port) {
         return std::ranges::any_of(to.status.inputs, [&](const InputStatus& input) {
-            return owner_of(input.from) == from.status.name && (port.empty() || input.from.ends_with("." + port));
+            return parse_endpoint(input.from).drone == from.status.name
+                   && (port.empty() || input.from.ends_with("." + port));
         });
     };
     if (receives(answers[1], answers[0], sender.port))

@@ -192,7 +192,7 @@ Search::Start Search::start_of(const std::string& drone) const
         return {.command = start_command(known->second, drone)};
     for (const auto& answer : look_.answers)  // after a stop on purpose, its receivers still know it
         for (const auto& input : answer.status.inputs)
-            if (owner_of(input.from) == drone && is_plain_kind(input.kind) && is_startable(input.kind))
+            if (parse_endpoint(input.from).drone == drone && is_plain_kind(input.kind) && is_startable(input.kind))
                 return {.command = start_command(input.kind, drone)};
     return {};
 }
@@ -202,7 +202,7 @@ std::optional<Search::Start> Search::start_elsewhere(const std::string& drone) c
     for (const auto& answer : look_.answers)
         for (const auto& input : answer.status.inputs) {
             const bool beside_receiver = input.address.empty();
-            if (owner_of(input.from) != drone || (beside_receiver && !is_elsewhere(answer.place)))
+            if (parse_endpoint(input.from).drone != drone || (beside_receiver && !is_elsewhere(answer.place)))
                 continue;
             Start start{.at = beside_receiver ? answer.place.host : input.address};
             if (!is_plain_kind(input.kind) || !is_name(drone))
@@ -229,7 +229,7 @@ std::string Search::lost_text(const std::string& drone) const
 {
     for (const auto& answer : look_.answers)
         for (const auto& input : answer.status.inputs)
-            if (owner_of(input.from) == hive::drone_of(drone) && input.disconnected_us > 0)
+            if (parse_endpoint(input.from).drone == hive::drone_of(drone) && input.disconnected_us > 0)
                 return answer.drone + "." + input.input + " lost it " + ago_text(answer.status, input.disconnected_us);
     return "";
 }

@@ -39,11 +39,11 @@ const EdgeStatus* edge_of(const StatusAnswer* sender, const std::string& end, co
 Search::Link Search::link_at(const StatusAnswer& receiver, const InputStatus& input) const
 {
     Link link{.receiver = &receiver,
-              .sender = look_.find(owner_of(input.from)),
+              .sender = look_.find(parse_endpoint(input.from).drone),
               .from = input.from,
               .to = receiver.status.name + "." + input.input};
     link.edge = edge_of(link.sender, link.to, input);
-    link.earlier = earlier_ ? edge_of(earlier_->find(owner_of(input.from)), link.to, input) : link.edge;
+    link.earlier = earlier_ ? edge_of(earlier_->find(parse_endpoint(input.from).drone), link.to, input) : link.edge;
     link.first_look = earlier_ == nullptr;
     return link;
 }

@@ -43,11 +43,11 @@ std::vector<std::string> next_to(const StatusAnswer& answer)
 {
     std::vector<std::string> names;
     for (const auto& input : answer.status.inputs)  // empty for a drone that did not answer
-        names.push_back(owner_of(input.from));
+        names.push_back(parse_endpoint(input.from).drone);
     for (const auto& output : answer.status.outputs)
         if (stalls(answer.status, output))
             for (const auto* edge : awaited(output))
-                names.push_back(owner_of(edge->receiver));
+                names.push_back(parse_endpoint(edge->receiver).drone);
     return names;
 }
 
@@ -124,8 +124,6 @@ Look look_from(Application& application, const std::vector<std::string>& drones,
     }
     return look;
 }
-
-std::string owner_of(const std::string& end) { return end.substr(0, end.rfind('.')); }
 
 bool is_elsewhere(const Place& place) { return !place.address.empty() && place.host != Place::here; }
 

@@ -44,8 +44,6 @@ Ask status_by(Application& application);
 /// Queries the drones, their senders up to the sources, and the receivers for which these wait.
 Look look_from(Application& application, const std::vector<std::string>& drones, const Ask& ask);
 
-/// "camera" of "camera.image".
-std::string owner_of(const std::string& end);
 bool is_elsewhere(const Place& place);
 /// Edges for which an output waits: of a group, its connected members, or those that it lost if none is connected.
 std::vector<const EdgeStatus*> awaited(const OutputStatus& output);

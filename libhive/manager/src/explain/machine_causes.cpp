@@ -142,7 +142,7 @@ void add_clocks(std::vector<Cause>& causes, const Look& look)
     std::set<std::pair<std::string, std::string>> known;
     for (const auto& answer : look.answers)
         for (const auto& input : answer.status.inputs) {
-            const auto* const sender = look.find(owner_of(input.from));
+            const auto* const sender = look.find(parse_endpoint(input.from).drone);
             if (std::abs(input.clock_offset_us) < noticeable_us || !sender
                 || !known.emplace(sender->place.host, answer.place.host).second)
                 continue;

@@ -28,7 +28,7 @@ bool has_viewers(const OutputStatus& output)
 
 bool is_from(const InputStatus& input, const Endpoint& sender)
 {
-    return sender.port.empty() ? owner_of(input.from) == hive::drone_of(sender.drone)
+    return sender.port.empty() ? parse_endpoint(input.from).drone == hive::drone_of(sender.drone)
                                : input.from == hive::drone_of(sender.drone) + "." + sender.port;
 }
 
@@ -107,8 +107,8 @@ bool Search::above(const std::string& drone, const Endpoint* only, const std::st
 
 void Search::link(const StatusAnswer& receiver, const InputStatus& input)
 {
-    const auto* sender = look_.find(owner_of(input.from));
-    const auto port = input.from.substr(input.from.rfind('.') + 1);
+    const auto* sender = look_.find(parse_endpoint(input.from).drone);
+    const auto port = parse_endpoint(input.from).port;
     const auto found = causes_.size();
     const auto code = sender && sender->error ? std::optional(sender->error->code()) : std::nullopt;
     // This machine need not know a drone that the receiver knows.
@@ -164,7 +164,7 @@ void Search::waits(const StatusAnswer& answer, const OutputStatus& output)
 /// Finds why a receiver does not accept waiting events.
 void Search::below(const StatusAnswer& sender, const OutputStatus& output, const EdgeStatus& edge)
 {
-    const auto* answer = look_.find(owner_of(edge.receiver));
+    const auto* answer = look_.find(parse_endpoint(edge.receiver).drone);
     const bool missing = !answer || (answer->error && answer->error->code() == Errc::not_found);
     if (edge.receiver == self_ || !waited_for_.insert(answer ? answer->drone : edge.receiver).second)
         return;
@@ -190,7 +190,7 @@ bool Search::may_be_started(const std::string& drone, const StatusAnswer& sender
 
 void Search::missing_receiver(const StatusAnswer& sender, const Wait& wait)
 {
-    const auto drone = owner_of(wait.edge.receiver);
+    const auto drone = parse_endpoint(wait.edge.receiver).drone;
     if (wait.edge.connected)  // an application, or a drone that only its sender knows
         add(Cause::What::waits, sender.drone, wait.edge.receiver + " does not request more events of " + wait.end,
             wait.text(), "hivectl disconnect " + wait.end + " " + wait.edge.receiver);

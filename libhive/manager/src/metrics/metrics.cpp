@@ -16,17 +16,10 @@ double count(std::int64_t events) { return static_cast<double>(events); }
 /// Exceptions are events of this output.
 bool is_exceptions(const OutputStatus& output) { return output.name == "exceptions"; }
 
-/// "face" and "image" of "face.image"; a name may have a dot, and a port has none.
-std::pair<std::string, std::string> split(const std::string& end)
-{
-    const auto dot = end.rfind('.');
-    return {end.substr(0, dot), end.substr(dot + 1)};
-}
-
 Labels connection_labels(const std::string& from, const std::string& to, const std::string& group)
 {
-    const auto [sender, output] = split(from);
-    const auto [receiver, input] = split(to);
+    const auto [sender, output] = parse_endpoint(from);
+    const auto [receiver, input] = parse_endpoint(to);
     return {{"sender", sender}, {"output", output}, {"receiver", receiver}, {"input", input}, {"group", group}};
 }
 
@@ -88,7 +81,7 @@ void add_edge(Book& book, const std::string& from, const EdgeStatus& edge, std::
     book.add(window, labels, edge.options.window);
     book.add(shared, labels, count(edge.shared), created);
     book.add(fallback, labels, count(edge.fallback), created);
-    const auto [drone, output] = split(from);
+    const auto [drone, output] = parse_endpoint(from);
     add_lost(book, drone, output, edge.receiver, edge.options.group, lost(edge.events), created);
 }
 

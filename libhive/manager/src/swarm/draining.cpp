@@ -16,8 +16,7 @@ std::set<std::string> receivers_among(const std::vector<StatusAnswer>& drones)
             running.insert(drone.drone);
     for (const auto& drone : drones)
         for (const auto& input : drone.status.inputs)
-            if (const auto sender = input.from.substr(0, input.from.rfind('.'));
-                sender != drone.drone && running.contains(sender))
+            if (const auto sender = parse_endpoint(input.from).drone; sender != drone.drone && running.contains(sender))
                 receivers.insert(drone.drone);
     return receivers;
 }

@@ -13,11 +13,6 @@
 namespace hive::swarm {
 namespace {
 
-bool fits(const Endpoint& end, const std::string& drone, const std::string& port)
-{
-    return end.drone == drone && (end.port.empty() || end.port == port);
-}
-
 /// Ports that are not named are inferred, and only one fits.
 bool meets(const Endpoint& one, const Endpoint& other)
 {
@@ -57,12 +52,10 @@ const InputStatus* Present::connection(const SwarmConnection& connection) const
     const auto* receiver = find(connection.to.drone);
     if (!receiver || !find(connection.from.drone))
         return nullptr;
-    for (const auto& input : receiver->status.inputs) {
-        const auto dot = input.from.rfind('.');  // a drone's name may have a dot, too
-        if (fits(connection.to, connection.to.drone, input.input)
-            && fits(connection.from, input.from.substr(0, dot), input.from.substr(dot + 1)))
+    for (const auto& input : receiver->status.inputs)
+        if (meets(connection.to, {connection.to.drone, input.input})
+            && meets(connection.from, parse_endpoint(input.from)))
             return &input;
-    }
     return nullptr;
 }
 
@@ -70,12 +63,9 @@ std::vector<SwarmConnection> Present::connections_of(const std::string& drone) c
 {
     std::vector<SwarmConnection> found;
     for (const auto& [receiver, answer] : answers_)
-        for (const auto& input : answer.status.inputs) {
-            const auto dot = input.from.rfind('.');
-            const Endpoint from{input.from.substr(0, dot), input.from.substr(dot + 1)};
-            if (from.drone == drone || receiver == drone)
+        for (const auto& input : answer.status.inputs)
+            if (const auto from = parse_endpoint(input.from); from.drone == drone || receiver == drone)
                 found.push_back({from, {receiver, input.input}, input.options});
-        }
     return found;
 }
 

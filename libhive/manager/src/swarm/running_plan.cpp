@@ -35,12 +35,9 @@ SwarmDrone planned(Application& application, const StatusAnswer& answer, const J
 
 void add_connections(SwarmPlan& plan, const StatusAnswer& answer)
 {
-    for (const auto& input : answer.status.inputs) {
-        const auto dot = input.from.rfind('.');
-        const Endpoint from{input.from.substr(0, dot), input.from.substr(dot + 1)};
-        if (plan.drone(from.drone))
+    for (const auto& input : answer.status.inputs)
+        if (const auto from = parse_endpoint(input.from); plan.drone(from.drone))
             plan.connections.push_back({from, {hive::drone_of(answer.drone), input.input}, input.options});
-    }
 }
 
 void add_engine(SwarmPlan& plan, const Place& place)

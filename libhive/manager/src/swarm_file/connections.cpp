@@ -84,12 +84,11 @@ std::vector<Endpoint> Reader::ends_of(const std::string& text, const Value& valu
         return ends_like(text, value);
     if (places_.contains(text))
         return {{text, ""}};
-    const auto dot = text.rfind('.');
-    if (dot == std::string::npos || !places_.contains(text.substr(0, dot))) {
+    const auto end = parse_endpoint(text);
+    if (!places_.contains(end.drone)) {
         no_drone(text, value);
         return {};
     }
-    const Endpoint end{text.substr(0, dot), text.substr(dot + 1)};
     if (is_name(end.port))
         return {end};
     mistakes_.at_value(value, in_quotes(end.port) + " is not the name of a port", "write DRONE or DRONE.PORT");
@@ -107,9 +106,8 @@ std::vector<Endpoint> Reader::ends_like(const std::string& glob, const Value& va
         return found;
     };
     auto found = all_like(glob, "");
-    const auto dot = glob.rfind('.');
-    if (found.empty() && dot != std::string::npos && is_name(glob.substr(dot + 1)))
-        found = all_like(std::string_view(glob).substr(0, dot), glob.substr(dot + 1));
+    if (const auto end = parse_endpoint(glob); found.empty() && is_name(end.port))
+        found = all_like(end.drone, end.port);
     if (found.empty() && !names_unclear_)
         mistakes_.at_value(value, "no drone of this file fits " + in_quotes(glob));
     return found;

@@ -6,12 +6,6 @@
 
 namespace hive {
 
-bool SwarmConnection::operator==(const SwarmConnection& other) const
-{
-    const auto same = [](const Endpoint& a, const Endpoint& b) { return a.drone == b.drone && a.port == b.port; };
-    return same(from, other.from) && same(to, other.to) && options == other.options;
-}
-
 const SwarmDrone* SwarmPlan::drone(std::string_view drone_name) const
 {
     const auto found = std::ranges::find(drones, drone_name, &SwarmDrone::name);
