@@ -91,15 +91,13 @@ std::optional<std::int64_t> epoch_in(const std::string& text)
 bool is_dialable(const transport::Address& address)
 {
     return address.scheme == transport::Address::Scheme::tcp && address.port != 0 && is_host(address.host)
-           && address.host != "0.0.0.0" && address.host != "::";
+           && !address.is_everywhere();
 }
 
 /// Throws Errc::invalid_argument for an invalid address.
 bool is_place(const std::string& text) { return text.empty() || is_dialable(transport::parse_address(text)); }
 
 bool is_loopback(const std::string& host) { return host.starts_with("127.") || host == "::1" || host == "localhost"; }
-
-bool is_everywhere(const std::string& host) { return host == "0.0.0.0" || host == "::"; }
 
 /// "cam1" of "cam1.local".
 std::string short_name(std::string host)
@@ -189,7 +187,7 @@ std::optional<Spot> announced_spot(const std::vector<std::string>& listen, const
         const auto address = transport::parse_address(text);
         if (address.scheme != transport::Address::Scheme::tcp || is_loopback(address.host))
             continue;
-        return Spot{.port = address.port, .at = is_everywhere(address.host) ? "" : text};
+        return Spot{.port = address.port, .at = address.is_everywhere() ? "" : text};
     }
     return std::nullopt;
 }

@@ -7,6 +7,7 @@
 #include <hive/json.hpp>
 #include <hive/name.hpp>
 #include <hive/remote.hpp>
+#include <hive/transport/address.hpp>
 
 #include <algorithm>
 #include <sstream>
@@ -108,15 +109,13 @@ Error Remote::error_of(const CommandResult& result) const
 
 std::string Remote::met_at(const std::vector<std::string>& places, const std::string& address) const
 {
-    constexpr std::string_view on_network = "tcp://";
     for (const auto& place : places) {
-        if (!place.starts_with(on_network))
+        if (!place.starts_with("tcp://"))
             continue;
-        const auto host = place.substr(on_network.size(), place.rfind(':') - on_network.size());
-        if (host != "0.0.0.0" && host != "[::]")
-            return place;
-        const bool number6 = address.find(':') != std::string::npos;
-        return std::string(on_network) + (number6 ? "[" + address + "]" : address) + place.substr(place.rfind(':'));
+        auto met = transport::parse_address(place);
+        if (met.is_everywhere())
+            met.host = address;
+        return to_text(met);
     }
     throw Error(Errc::failed, "the drone on " + host() + " listens at no port", "add --listen tcp://0.0.0.0");
 }

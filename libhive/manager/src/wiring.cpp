@@ -54,7 +54,7 @@ std::string home_in(const std::vector<std::string>& places)
 std::string seen_from_here(const std::string& address, const Place& place)
 {
     auto parsed = transport::parse_address(address);
-    if (!is_here(place) && (parsed.host == "0.0.0.0" || parsed.host == "::"))
+    if (!is_here(place) && parsed.is_everywhere())
         parsed.host = transport::parse_address(place.address).host;
     return to_text(parsed);
 }

@@ -33,7 +33,7 @@ void require_advertisable(const service::ListenWish& wish)
 {
     for (const auto& text : wish.advertise) {
         const auto address = service::listen_address(text);
-        if (address.scheme != transport::Address::Scheme::tcp || address.host == "0.0.0.0" || address.host == "::")
+        if (address.scheme != transport::Address::Scheme::tcp || address.is_everywhere())
             throw Error(
                 Errc::invalid_argument, "--advertise " + text + ": cannot be dialed",
                 "write tcp://HOST or tcp://HOST:PORT, with a host name or address that other machines can reach");

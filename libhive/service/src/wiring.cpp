@@ -40,8 +40,7 @@ std::string dialable(const std::string& text, const std::string& asker)
     if (text.empty())
         return text;
     auto address = transport::parse_address(text);
-    const bool any = address.host == "0.0.0.0" || address.host == "::";
-    if (address.scheme != transport::Address::Scheme::tcp || !any)
+    if (address.scheme != transport::Address::Scheme::tcp || !address.is_everywhere())
         return text;
     const auto host = host_of(asker);
     address.host = !host.empty() ? host : address.host == "::" ? "::1" : "127.0.0.1";

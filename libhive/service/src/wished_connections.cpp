@@ -19,8 +19,7 @@ void require_dialable(const std::string& text)
     if (text.empty())
         return;
     const auto address = transport::parse_address(text);
-    const bool nowhere = address.host == "0.0.0.0" || address.host == "::";
-    if (address.scheme == transport::Address::Scheme::tcp && (nowhere || address.port == 0))
+    if (address.scheme == transport::Address::Scheme::tcp && (address.is_everywhere() || address.port == 0))
         throw Error(Errc::invalid_argument, "cannot dial " + text,
                     "write at=tcp://HOST:PORT, the sender's address as seen from this machine");
 }

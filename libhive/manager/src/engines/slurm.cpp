@@ -215,10 +215,8 @@ std::optional<Engine::Report> SlurmEngine::look(Step& step) const
 
 Engine::Report SlurmEngine::place_of(const std::string& drone, int port) const
 {
-    const bool number6 = address_.find(':') != std::string::npos;
-    const auto host = number6 ? "[" + address_ + "]" : address_;
-    return {.drone = drone,
-            .place = {.drone = drone, .host = node_, .address = "tcp://" + host + ":" + std::to_string(port)}};
+    const transport::Address at{transport::Address::Scheme::tcp, address_, static_cast<std::uint16_t>(port)};
+    return {.drone = drone, .place = {.drone = drone, .host = node_, .address = to_text(at)}};
 }
 
 /// "JOB.STEP" of each, in the current job, or in any job outside of an allocation.

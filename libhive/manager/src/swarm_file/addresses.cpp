@@ -8,8 +8,6 @@
 namespace hive::swarm_file {
 namespace {
 
-std::string everywhere(const std::string& host) { return host == "0.0.0.0" || host == "::" ? "" : host; }
-
 /// Do two listeners at one port of a machine conflict?
 bool overlap(const std::string& a, const std::string& b) { return a == b || a.empty() || b.empty(); }
 
@@ -32,7 +30,7 @@ void Reader::read_addresses(Members& members, Entry& entry)
 {
     entry.listening = read_address(members, "listen", entry.drone.listen);
     const auto advertised = read_address(members, "advertise", entry.drone.advertise);
-    if (advertised && everywhere(advertised->host).empty())
+    if (advertised && advertised->is_everywhere())
         mistakes_.at_value(
             *members.find("advertise"), in_quotes(entry.drone.advertise) + ": cannot be dialed",
             "write tcp://HOST or tcp://HOST:PORT, with a host name or address that other machines can reach");
@@ -65,7 +63,7 @@ bool Reader::has_own_port(const SwarmDrone& drone, const Entry& entry)
     if (!entry.listening || entry.listening->port == 0)
         return true;
     auto& there = listening_[{drone.host, entry.listening->port}];
-    const auto host = everywhere(entry.listening->host);
+    const auto host = entry.listening->is_everywhere() ? "" : entry.listening->host;
     const auto found = std::ranges::find_if(there, [&](const auto& other) { return overlap(other.first, host); });
     if (found == there.end()) {
         there.emplace_back(host, drone.name);

@@ -14,8 +14,6 @@
 namespace hive {
 namespace {
 
-bool is_everywhere(const std::string& host) { return host == "0.0.0.0" || host == "::"; }
-
 /// As bash reads it, in $'…'.
 std::string with_escapes(const std::string& word)
 {
@@ -130,10 +128,10 @@ std::string CommandLines::address(const SwarmDrone& drone) const
     if (auto text = advertised(drone); !text.empty())
         return text;
     auto listen = transport::parse_address(listening(drone));
-    if (is_everywhere(listen.host) && drone.host == Place::here)
+    if (listen.is_everywhere() && drone.host == Place::here)
         throw Error(Errc::invalid_argument, "other machines need the address of " + drone.name,
                     "set it in the file: \"advertise\": \"tcp://HOST\"");
-    if (is_everywhere(listen.host))
+    if (listen.is_everywhere())
         listen.host = machine_name(drone.host);
     return to_text(listen);
 }

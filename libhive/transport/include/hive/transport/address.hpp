@@ -14,6 +14,8 @@ struct Address {
     std::uint16_t port = 0;  ///< tcp only; 0 when listening: any free port
 
     bool operator==(const Address&) const = default;
+    /// A listener at all addresses of its machine; cannot be dialed.
+    [[nodiscard]] bool is_everywhere() const { return host == "0.0.0.0" || host == "::"; }
 };
 
 /// Reads `unix:/path`, `tcp://HOST:PORT`, `tcp://[::1]:PORT`. Throws Errc::invalid_argument.
