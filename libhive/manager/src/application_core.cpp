@@ -131,25 +131,23 @@ Place Application::Core::place(const std::string& drone) const
     throw not_running(drone);
 }
 
-std::variant<Place, Error> Application::Core::place_or_error(const std::string& drone) const
+Result<Place> Application::Core::place_or_error(const std::string& drone) const
 try {
     return place(drone);
 } catch (const Error& error) {
     return error;
 }
 
-std::vector<std::variant<Place, Error>>
-Application::Core::places_or_errors(const std::vector<std::string>& drones) const
+std::vector<Result<Place>> Application::Core::places_or_errors(const std::vector<std::string>& drones) const
 {
-    std::vector<std::variant<Place, Error>> places;
+    std::vector<Result<Place>> places;
     for (const auto& drone : drones)
         if (drones.size() <= most_typed)
             places.push_back(place_or_error(drone));
         else
             try {
                 const auto found = directory.find(drone);
-                places.push_back(found ? std::variant<Place, Error>(*found)
-                                       : Error(Errc::not_found, drone + " is not running"));
+                places.push_back(found ? Result<Place>(*found) : Error(Errc::not_found, drone + " is not running"));
             } catch (const Error& error) {
                 places.emplace_back(error);
             }

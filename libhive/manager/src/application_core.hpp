@@ -5,11 +5,11 @@
 
 #include <hive/application.hpp>
 #include <hive/event/module.hpp>
+#include <hive/result.hpp>
 
 #include <atomic>
 #include <memory>
 #include <optional>
-#include <variant>
 
 namespace hive {
 
@@ -36,10 +36,9 @@ public:
     /// Errc::invalid_argument if several drones have it.
     Place place(const std::string& drone) const;
     /// The same, but an error is returned in the answer.
-    [[nodiscard]] std::variant<Place, Error> place_or_error(const std::string& drone) const;
+    [[nodiscard]] Result<Place> place_or_error(const std::string& drone) const;
     /// The same for several. Many names were not typed by hand, so missing ones are not compared with all known names.
-    [[nodiscard]] std::vector<std::variant<Place, Error>>
-    places_or_errors(const std::vector<std::string>& drones) const;
+    [[nodiscard]] std::vector<Result<Place>> places_or_errors(const std::vector<std::string>& drones) const;
     /// The error for an unknown name.
     [[nodiscard]] Error not_running(const std::string& drone) const;
     /// Sends the request to the receiver.

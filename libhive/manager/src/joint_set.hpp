@@ -4,8 +4,7 @@
 #include <hive/application.hpp>
 #include <hive/event/module.hpp>
 #include <hive/platform/process.hpp>
-
-#include <variant>
+#include <hive/result.hpp>
 
 #include <random>
 
@@ -16,7 +15,7 @@ class JointSet {
 public:
     struct Terms {
         /// Names and places of the drones, or why a place is unknown.
-        std::vector<std::pair<std::string, std::variant<Place, Error>>> drones;
+        std::vector<std::pair<std::string, Result<Place>>> drones;
         Json parameters;
         event::Clock::time_point deadline;  ///< nothing is committed later
         std::function<bool()> cancelled;    ///< polled; once true, nothing is committed any more

@@ -4,13 +4,13 @@
 #include "values.hpp"
 
 #include <hive/name.hpp>
+#include <hive/result.hpp>
 #include <hive/transport/listen_address.hpp>
 
 #include <algorithm>
 #include <iterator>
 #include <map>
 #include <set>
-#include <variant>
 
 namespace hive::swarm_file {
 
@@ -103,7 +103,7 @@ private:
     Mistakes mistakes_, notes_;
     const InterfaceOfKind& interface_of_;
     SwarmPlan plan_;
-    std::map<std::string, std::variant<Interface, Error>, std::less<>> interfaces_;
+    std::map<std::string, Result<Interface>, std::less<>> interfaces_;
     std::vector<Entry> read_entries_;
     std::map<std::string, std::size_t, std::less<>> places_;   ///< of the drones in the plan, by name
     std::map<std::string, std::string, std::less<>> entries_;  ///< path of the entry, by the name of the drone
