@@ -85,11 +85,11 @@ bool balances(const InputStatus& input)
 }
 
 /// Which end started first, by the sender's clock; nothing if the clocks of two machines were not compared.
-struct Started {
+struct StartOrder {
     bool sender_first = false, receiver_first = false;
 };
 
-Started started(const Status& sender, const Status& receiver, const ConnectionEnds& ends, const InputStatus& input)
+StartOrder started(const Status& sender, const Status& receiver, const ConnectionEnds& ends, const InputStatus& input)
 {
     constexpr std::int64_t margin_us = 1'000'000;
     const bool one_clock = ends.from_host == ends.to_host;

@@ -138,14 +138,15 @@ Started Start::until_ready()
 void Start::poll_engine()
 {
     for (auto& report : engine_->poll()) {
-        if (report.error)
-            throw *report.error;
-        if (report.found && !options_.if_missing)
-            throw Error(Errc::name_taken, name() + " is running already on " + report.place.host,
+        if (const auto* error = error_of(report.started))
+            throw *error;
+        auto& started = std::get<Started>(report.started);
+        if (started.found && !options_.if_missing)
+            throw Error(Errc::name_taken, name() + " is running already on " + started.place.host,
                         "choose another name, or keep it: if_missing (hivectl start --if-missing)");
-        if (report.place.host != Place::here)
-            application_.replace_places({report.place});
-        started_ = {.place = report.place, .log = report.log, .found = report.found, .before = report.before};
+        if (started.place.host != Place::here)
+            application_.replace_places({started.place});
+        started_ = std::move(started);
     }
 }
 

@@ -4,6 +4,8 @@
 #include "../background_process.hpp"
 
 #include <hive/process.hpp>
+#include <hive/result.hpp>
+#include <hive/start.hpp>
 #include <hive/swarm.hpp>
 
 #include <algorithm>
@@ -27,11 +29,9 @@ public:
     /// The outcome of starting a drone.
     struct Report {
         std::string drone;
-        Place place{};                 ///< where it is reachable; query the drone for whether it is ready
-        std::optional<Error> error{};  ///< it will not run; Errc::name_taken: one of this name is already running
-        bool found = false;            ///< it was running before begin()
-        std::string log{};             ///< on its machine; empty: not known
-        std::int64_t before = 0;       ///< the process that it replaced there; 0: none, or not known
+        /// Query the drone for whether it is ready. An error: it will not run; Errc::name_taken: one of this name is
+        /// already running.
+        Result<Started> started;
     };
 
     virtual ~Engine() = default;

@@ -107,14 +107,13 @@ try {
         {drone, started(drone), takes_over(drone) ? home_.holder(drone.name) : 0, Clock::now() + limit + time_to_exit});
     ++not_met_;
 } catch (const Error& error) {
-    reports.push_back({.drone = drone.name, .error = error});
+    reports.push_back({drone.name, error});
 }
 
 Engine::Report LocalEngine::placed(const std::string& drone) const
 {
-    return {.drone = drone,
-            .place = {.drone = drone, .host = Place::here, .address = to_text(home_.address(drone))},
-            .log = home_.path(drone, ".log").string()};
+    return {drone, Started{.place = {.drone = drone, .host = Place::here, .address = to_text(home_.address(drone))},
+                           .log = home_.path(drone, ".log").string()}};
 }
 
 std::optional<Engine::Report> LocalEngine::look(Begun& begun) const
@@ -129,9 +128,8 @@ std::optional<Engine::Report> LocalEngine::look(Begun& begun) const
     if (!status)
         return std::nullopt;
     if (met)
-        return Report{.drone = name,
-                      .error = Error(Errc::name_taken, name + " is running already: another process was faster")};
-    return Report{.drone = name, .error = not_ready(name, *status, begun.process.last_words())};
+        return Report{name, Error(Errc::name_taken, name + " is running already: another process was faster")};
+    return Report{name, not_ready(name, *status, begun.process.last_words())};
 }
 
 /// The old drone exits once a successor has asked it to hand over, so another process is started if the successor
@@ -154,10 +152,9 @@ std::optional<Engine::Report> LocalEngine::look_at_successor(Begun& begun) const
         return placed(name);  // it took over, and was replaced itself
     const auto words = begun.process.last_words();
     if (late)
-        return Report{.drone = name,
-                      .error = Error(Errc::timeout, subject_of(begun.drone) + " was not ready in time and was stopped; "
-                                                        + log_text(words))};
-    return Report{.drone = name, .error = not_ready(subject_of(begun.drone), *status, words)};
+        return Report{name, Error(Errc::timeout, subject_of(begun.drone) + " was not ready in time and was stopped; "
+                                                     + log_text(words))};
+    return Report{name, not_ready(subject_of(begun.drone), *status, words)};
 }
 
 /// Signals all before waiting for one. The wait is at most 3 s, so `until` does not shorten it.

@@ -152,7 +152,7 @@ try {
     return true;
 } catch (const Error& error) {
     for (; !waiting_.empty(); waiting_.pop_front())
-        reports.push_back({.drone = waiting_.front().name, .error = error});
+        reports.push_back({waiting_.front().name, error});
     return false;
 }
 
@@ -168,7 +168,7 @@ try {
     steps_.push_back(
         {drone, port, BackgroundProcess("/usr/bin/env", words, environment, log, BackgroundProcess::Life::own)});
 } catch (const Error& error) {
-    reports.push_back({.drone = drone.name, .error = error});
+    reports.push_back({drone.name, error});
 }
 
 std::vector<std::string> SlurmEngine::words_of(SwarmDrone drone, int port) const
@@ -210,13 +210,13 @@ std::optional<Engine::Report> SlurmEngine::look(Step& step) const
         for (int attempt = 0; attempt < port_tries; ++attempt)
             if (const int port = port_of(job_, name, attempt); reachable(address_, port))
                 return place_of(name, port);  // a killed hivectl had started it
-    return Report{.drone = name, .error = not_ready(name, *status, step.process.last_words())};
+    return Report{name, not_ready(name, *status, step.process.last_words())};
 }
 
 Engine::Report SlurmEngine::place_of(const std::string& drone, int port) const
 {
     const transport::Address at{transport::Address::Scheme::tcp, address_, static_cast<std::uint16_t>(port)};
-    return {.drone = drone, .place = {.drone = drone, .host = node_, .address = to_text(at)}};
+    return {drone, Started{.place = {.drone = drone, .host = node_, .address = to_text(at)}}};
 }
 
 /// "JOB.STEP" of each, in the current job, or in any job outside of an allocation.

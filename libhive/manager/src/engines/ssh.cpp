@@ -125,7 +125,7 @@ void SshEngine::start_next(std::vector<Report>& reports)
         if (!takes_over(drone))
             begun_.insert(drone.name);
     } catch (const Error& error) {
-        reports.push_back({.drone = drone.name, .error = error});
+        reports.push_back({drone.name, error});
     }
 }
 
@@ -141,17 +141,16 @@ try {
         const bool found = fields.flag_or("found", false);
         if (found)
             begun_.erase(drone);  // another user's, or of a killed hivectl: not ours to stop
-        return {.drone = drone,
-                .place = place_of(drone, fields.array("places")),
-                .found = found,
-                .log = fields.text_or("log", ""),
-                .before = fields.integer_or("before", 0, max_json_integer, 0)};
+        return {drone, Started{.place = place_of(drone, fields.array("places")),
+                               .log = fields.text_or("log", ""),
+                               .found = found,
+                               .before = fields.integer_or("before", 0, max_json_integer, 0)}};
     }
     if (result.exit_code < 128)  // else a signal ended ssh
         begun_.erase(drone);     // the hivectl there has stopped it
-    return {.drone = drone, .error = explained(remote_.error_of(result))};
+    return {drone, explained(remote_.error_of(result))};
 } catch (const Error& error) {
-    return {.drone = drone, .error = error};
+    return {drone, error};
 }
 
 /// The user's keys there, by id; nothing: unknown.

@@ -40,10 +40,10 @@ void SilentDrones::poll(std::vector<Engine::Report>& reports)
     std::erase_if(logs_, [&](SshSession& log) {
         const auto result = log.command.poll();
         if (result)
-            reports.push_back({.drone = log.drone,
-                               .error = Error(Errc::failed, remote_.host() + ": " + log.drone
-                                                                + " was ready and has exited since; its log says:\n"
-                                                                + (result->out.empty() ? "(nothing)" : result->out))});
+            reports.push_back(
+                {log.drone, Error(Errc::failed, remote_.host() + ": " + log.drone
+                                                    + " was ready and has exited since; its log says:\n"
+                                                    + (result->out.empty() ? "(nothing)" : result->out))});
         return result.has_value();
     });
 }
@@ -63,18 +63,16 @@ void SilentDrones::on_running(const std::string& drone, std::vector<Engine::Repo
     if (++found_running < 2)
         return;
     reports.push_back(
-        {.drone = drone,
-         .error =
-             Error(why.code(), drone + " runs on " + remote_.host() + " and is not reached from here: " + why.what(),
-                   why.advice().empty() ? "open its port to this machine, or choose one that is open: \"listen\""
-                                        : why.advice())});
+        {drone, Error(why.code(), drone + " runs on " + remote_.host() + " and is not reached from here: " + why.what(),
+                      why.advice().empty() ? "open its port to this machine, or choose one that is open: \"listen\""
+                                           : why.advice())});
 }
 
 void SilentDrones::read_log(const std::string& drone, std::vector<Engine::Report>& reports)
 try {
     logs_.emplace_back(drone, remote_.command({"logs", drone, "-n", log_lines}), check_timeout);
 } catch (const Error& error) {
-    reports.push_back({.drone = drone, .error = error});
+    reports.push_back({drone, error});
 }
 
 }  // namespace hive

@@ -205,7 +205,7 @@ void SystemdEngine::fail(const std::vector<std::string>& drones, const Error& er
         const bool begun = std::erase_if(waiting_, [&](const auto& next) { return next.name == drone; }) == 0;
         if (begun && (unit == units_.end() || std::exchange(unit->second.met, true)))
             continue;
-        reports.push_back({.drone = drone, .error = error});
+        reports.push_back({drone, error});
     }
 }
 
@@ -269,11 +269,11 @@ try {
             unit.refused = Error(Errc::failed, "systemd-run: " + last_line(result->err));
     }
     if (!unit.refused && home_.alive(drone))
-        return Report{.drone = drone,
-                      .place = {.drone = drone, .host = Place::here, .address = to_text(home_.address(drone))}};
+        return Report{
+            drone, Started{.place = {.drone = drone, .host = Place::here, .address = to_text(home_.address(drone))}}};
     return std::nullopt;
 } catch (const Error& error) {
-    return Report{.drone = drone, .error = error};
+    return Report{drone, error};
 }
 
 /// Why the unit does not run our drone, as far as systemd knows. A crash is final at the start only: later, systemd may

@@ -120,19 +120,20 @@ void Starting::hear_engines()
 {
     std::vector<Place> places;
     for (auto& [host, engine] : engines_)
-        for (auto& report : engine->poll())
-            if (!report.error) {
-                if (!is_here(report.place)) {
-                    places.push_back(report.place);
-                    if (!report.found)
-                        places_[report.drone] = report.place;
-                }
-                placed_.insert(report.drone);
-            } else if (report.error->code() == Errc::name_taken) {
-                placed_.insert(report.drone);  // an earlier, killed hivectl had started it
-            } else {
-                failed(report.drone, *report.error);
+        for (const auto& [drone, report] : engine->poll()) {
+            const auto* error = error_of(report);
+            if (error && error->code() != Errc::name_taken) {  // else an earlier, killed hivectl had started it
+                failed(drone, *error);
+                continue;
             }
+            placed_.insert(drone);
+            const auto* started = std::get_if<Started>(&report);
+            if (started && !is_here(started->place)) {
+                places.push_back(started->place);
+                if (!started->found)
+                    places_[drone] = started->place;
+            }
+        }
     application_.replace_places(places);
 }
 
