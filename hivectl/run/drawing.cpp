@@ -4,6 +4,7 @@
 #include "words/output.hpp"
 
 #include <hive/error.hpp>
+#include <hive/platform/descriptor.hpp>
 #include <hive/process.hpp>
 
 #include <sys/mman.h>
@@ -14,34 +15,24 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Puts a text into an anonymous file, because dot accepts none on its command line.
-class Unnamed {
-public:
-    explicit Unnamed(const std::string& text) : descriptor_(::memfd_create("graph", MFD_CLOEXEC))
-    {
-        if (descriptor_ < 0 || ::write(descriptor_, text.data(), text.size()) != static_cast<ssize_t>(text.size()))
-            throw hive::Error(hive::Errc::io, "no memory for a graph of " + std::to_string(text.size()) + " bytes");
-    }
-    ~Unnamed() { ::close(descriptor_); }
-    Unnamed(const Unnamed&) = delete;
-    Unnamed& operator=(const Unnamed&) = delete;
-    [[nodiscard]] std::string path() const
-    {
-        return "/proc/" + std::to_string(::getpid()) + "/fd/" + std::to_string(descriptor_);
-    }
-
-private:
-    int descriptor_;
-};
+/// An anonymous file with the text, because dot accepts none on its command line.
+hive::platform::Descriptor unnamed(const std::string& text)
+{
+    hive::platform::Descriptor file(::memfd_create("graph", MFD_CLOEXEC));
+    if (!file || ::write(file.get(), text.data(), text.size()) != static_cast<ssize_t>(text.size()))
+        throw hive::Error(hive::Errc::io, "no memory for a graph of " + std::to_string(text.size()) + " bytes");
+    return file;
+}
 
 }  // namespace
 
 std::string svg_of(const std::string& dot)
 {
-    const Unnamed file(dot);
+    const auto file = unnamed(dot);
+    const auto path = "/proc/" + std::to_string(::getpid()) + "/fd/" + std::to_string(file.get());
     const auto drawn = [&] {
         try {
-            return hive::run_command({"dot", "-Tsvg", file.path()}, 30s, {}, interrupt::requested);
+            return hive::run_command({"dot", "-Tsvg", path}, 30s, {}, interrupt::requested);
         } catch (const hive::Error& error) {
             throw hive::Error(hive::Errc::not_found, "dot cannot be run: " + std::string(error.what()),
                               "install Graphviz (apt install graphviz)");

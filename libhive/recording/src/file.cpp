@@ -15,7 +15,6 @@
 #include <sys/uio.h>
 #include <system_error>
 #include <unistd.h>
-#include <utility>
 
 namespace hive::recording {
 namespace {
@@ -45,18 +44,16 @@ constexpr int owner_alone = 0600;  // images are private to the user
 
 int open_below(const fs::path& folder, const fs::path& path, bool overwrite)
 {
-    const int place = ::open(folder.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC);
-    if (place < 0)
+    const platform::Descriptor place(::open(folder.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC));
+    if (!place)
         refuse(errno, folder, path);
     open_how how{};
     how.flags = O_RDWR | O_CREAT | O_CLOEXEC | O_NONBLOCK | O_NOCTTY | (overwrite ? 0U : static_cast<unsigned>(O_EXCL));
     how.mode = owner_alone;
     how.resolve = RESOLVE_BENEATH | RESOLVE_NO_SYMLINKS;
-    const auto descriptor = static_cast<int>(::syscall(SYS_openat2, place, path.c_str(), &how, sizeof how));
-    const int error = errno;
-    ::close(place);
+    const auto descriptor = static_cast<int>(::syscall(SYS_openat2, place.get(), path.c_str(), &how, sizeof how));
     if (descriptor < 0)
-        refuse(error, folder, path);
+        refuse(errno, folder, path);
     return descriptor;
 }
 
@@ -91,9 +88,9 @@ File File::create(const std::filesystem::path& folder, const std::filesystem::pa
 {
     File file(open_below(folder, path, overwrite));
     struct stat info {};
-    if (::fstat(file.descriptor_, &info) != 0 || !S_ISREG(info.st_mode))
+    if (::fstat(file.descriptor_.get(), &info) != 0 || !S_ISREG(info.st_mode))
         throw std::runtime_error((folder / path).string() + " is not a file");
-    if (::flock(file.descriptor_, LOCK_EX | LOCK_NB) != 0)
+    if (::flock(file.descriptor_.get(), LOCK_EX | LOCK_NB) != 0)
         throw std::runtime_error("another process is recording into " + (folder / path).string());
     if (!file.is_empty_or_recording())
         throw std::runtime_error((folder / path).string() + " is not a recording, and is not overwritten");
@@ -107,18 +104,10 @@ bool File::is_empty_or_recording() const
     return size() == 0 || (read(0, magic) && std::ranges::equal(magic, std::as_bytes(std::span(file_magic))));
 }
 
-File::~File()
-{
-    if (descriptor_ >= 0)
-        ::close(descriptor_);
-}
-
-File::File(File&& other) noexcept : descriptor_(std::exchange(other.descriptor_, -1)) {}
-
 std::uint64_t File::size() const
 {
     struct stat info {};
-    if (::fstat(descriptor_, &info) != 0)
+    if (::fstat(descriptor_.get(), &info) != 0)
         fail("cannot look at the file");
     return static_cast<std::uint64_t>(info.st_size);
 }
@@ -126,7 +115,7 @@ std::uint64_t File::size() const
 bool File::read(std::uint64_t offset, std::span<std::byte> to) const
 {
     while (!to.empty()) {
-        const auto count = ::pread(descriptor_, to.data(), to.size(), static_cast<off_t>(offset));
+        const auto count = ::pread(descriptor_.get(), to.data(), to.size(), static_cast<off_t>(offset));
         if (count < 0 && errno == EINTR)
             continue;
         if (count < 0)
@@ -149,7 +138,7 @@ void File::write(std::uint64_t offset, std::initializer_list<std::span<const std
     skip_written(rest, 0);
     while (!rest.empty()) {
         const auto count =
-            ::pwritev(descriptor_, rest.data(), static_cast<int>(rest.size()), static_cast<off_t>(offset));
+            ::pwritev(descriptor_.get(), rest.data(), static_cast<int>(rest.size()), static_cast<off_t>(offset));
         if (count < 0 && errno == EINTR)
             continue;
         if (count < 0)
@@ -161,8 +150,9 @@ void File::write(std::uint64_t offset, std::initializer_list<std::span<const std
 
 bool File::reserve(std::uint64_t from, std::uint64_t upto)
 {
-    while (::fallocate(descriptor_, FALLOC_FL_KEEP_SIZE, static_cast<off_t>(from), static_cast<off_t>(upto - from))
-           != 0) {
+    while (
+        ::fallocate(descriptor_.get(), FALLOC_FL_KEEP_SIZE, static_cast<off_t>(from), static_cast<off_t>(upto - from))
+        != 0) {
         if (errno == EINTR)
             continue;
         if (errno == EOPNOTSUPP || errno == ENOSYS)
@@ -174,10 +164,10 @@ bool File::reserve(std::uint64_t from, std::uint64_t upto)
 
 void File::truncate(std::uint64_t size)
 {
-    if (::ftruncate(descriptor_, static_cast<off_t>(size)) != 0)
+    if (::ftruncate(descriptor_.get(), static_cast<off_t>(size)) != 0)
         fail("cannot shorten the file");
 }
 
-int File::sync() const noexcept { return ::fdatasync(descriptor_) == 0 ? 0 : errno; }
+int File::sync() const noexcept { return ::fdatasync(descriptor_.get()) == 0 ? 0 : errno; }
 
 }  // namespace hive::recording

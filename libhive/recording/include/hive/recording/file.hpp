@@ -1,6 +1,8 @@
 // A file for the recorder and the reader: complete reads and writes, and space reserved in advance.
 #pragma once
 
+#include <hive/platform/descriptor.hpp>
+
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -16,9 +18,6 @@ public:
     /// Creates an empty file that only this user can read, or (with `overwrite`) truncates an existing recording,
     /// unless another process is writing it. The path is relative to `folder` and stays in it, without symbolic links.
     static File create(const std::filesystem::path& folder, const std::filesystem::path& path, bool overwrite);
-    ~File();
-    File(File&& other) noexcept;
-    File& operator=(File&&) = delete;
 
     [[nodiscard]] std::uint64_t size() const;
     /// False at the end of the file: `to` is not filled then.
@@ -35,7 +34,7 @@ private:
     explicit File(int descriptor) : descriptor_(descriptor) {}
     [[nodiscard]] bool is_empty_or_recording() const;
 
-    int descriptor_;
+    platform::Descriptor descriptor_;
 };
 
 }  // namespace hive::recording
