@@ -1,7 +1,7 @@
 // Stores one number in a file, with the file's modification time.
 #include "listening_note.hpp"
 
-#include <hive/platform/files.hpp>
+#include <hive/platform/whole_file.hpp>
 
 #include <chrono>
 #include <fstream>
@@ -28,9 +28,7 @@ std::optional<std::uint32_t> ListeningNote::daemon() const
 
 void ListeningNote::write(std::uint32_t daemon) const noexcept
 try {
-    const fs::path fresh = file_.string() + ".new";
-    if (platform::write_private(fresh, std::to_string(daemon) + '\n'))
-        static_cast<void>(platform::rename(fresh, file_));
+    static_cast<void>(platform::write_whole(file_, std::to_string(daemon) + '\n'));
 } catch (const std::exception&) {
 }
 
