@@ -101,7 +101,7 @@ void Pipe::give(Way& way)
 std::size_t Pipe::write_now(int end, std::span<const asio::const_buffer> from)
 {
     Way& way = ways_[end];
-    if (cut_ || way.closed || ways_[1 - end].closed)
+    if (cut_ || way.closed || ways_[1 - end].ended)
         return 0;
     std::string bytes;
     for (const auto& buffer : from) {
@@ -128,7 +128,7 @@ void Pipe::write(int end, std::span<const asio::const_buffer> from, std::shared_
     Way& way = ways_[end];
     way.from = from;
     way.write = std::move(operation);
-    if (cut_ || way.closed || ways_[1 - end].closed)
+    if (cut_ || way.closed || ways_[1 - end].ended)
         return finish(way.write, asio::error::broken_pipe);
     go_on_writing(way, end);
 }
