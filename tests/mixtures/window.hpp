@@ -18,6 +18,7 @@ public:
 private:
     struct Row {
         std::int64_t registration = 0, taken_over = 0;
+        bool again = false;  ///< it has registered before
     };
     void look(const std::string& drone, const InputStatus& input, Problems& problems);
     void look(const std::string& sender, const std::string& output, const EdgeStatus& edge, Problems& problems);

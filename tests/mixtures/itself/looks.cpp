@@ -101,6 +101,23 @@ TEST_CASE("window: a sender that has sent more than was asked for is a problem w
     CHECK(lossless.look(statuses).empty());
 }
 
+TEST_CASE("window: a receiver that resumes may have a window more, until it has acknowledged what it did meanwhile")
+{
+    auto statuses = working();
+    tick_edge(statuses).events.went(Fate::acknowledged, 3);
+    Window oracle(false);
+    CHECK(oracle.look(statuses).empty());
+    tick_edge(statuses).registration += 1;
+    tick_edge(statuses).events.came(max_in_hand);
+    CHECK(oracle.look(statuses).empty());
+    tick_edge(statuses).events.came(1);
+    CHECK(oracle.look(statuses).empty());
+    tick_edge(statuses).events.went(Fate::acknowledged, max_in_hand + 1);
+    CHECK(oracle.look(statuses).empty());
+    tick_edge(statuses).events.came(max_in_hand + 1);
+    CHECK(is_of(oracle.look(statuses), "window"));
+}
+
 TEST_CASE("pace: a source that all have asked and that does not produce is a problem after a while")
 {
     Pace oracle(50ms);
