@@ -41,8 +41,9 @@ std::optional<ReceiverTable::Id> ReceiverTable::standing(const Newcomer& newcome
 {
     // A passive receiver replaces no other at its place.
     const auto same = [&](const Seat& seat) {
-        return newcomer.unique ? seat.run == newcomer.run
-                               : takes_bodies(newcomer) && seat.plain && is_at(*seat.plain, newcomer);
+        return newcomer.unique
+                   ? seat.run == newcomer.run
+                   : takes_bodies(newcomer) && (seat.plain ? is_at(*seat.plain, newcomer) : is_at(seat, newcomer));
     };
     for (const auto& [id, seat] : seats_)
         if (!seat.heir && seat.receiver == newcomer.receiver && same(seat))
@@ -57,14 +58,23 @@ bool ReceiverTable::is_at(const Plain& plain, const Newcomer& newcomer)
            || (newcomer.tried != 0 && plain.tried == newcomer.tried && plain.run == newcomer.run);
 }
 
+/// Does it return to this place in its group?
+bool ReceiverTable::is_at(const Seat& seat, const Newcomer& newcomer) const
+{
+    const auto group = groups_.find(newcomer.options.group);
+    return newcomer.taken && group != groups_.end() && &group->second == seat.group && newcomer.place == seat.place
+           && seat.place == seat.group->members.at(seat.receiver).place;
+}
+
 /// @return `before`, if it ends now
 std::optional<ReceiverTable::Id> ReceiverTable::make_way(Id before, const Newcomer& newcomer, Clock::time_point now,
                                                          Decisions& decisions)
 {
     Seat& seat = seats_.at(before);
-    const bool goes_on = seat.plain && newcomer.options.group.empty() && &plain_for(newcomer) == seat.plain;
+    const bool goes_on =
+        seat.plain ? newcomer.options.group.empty() && &plain_for(newcomer) == seat.plain : is_at(seat, newcomer);
     if (goes_on) {
-        unregister(seat.plain->registered);
+        unregister(seat.plain ? seat.plain->registered : seat.group->members.at(seat.receiver).registered);
         seats_.erase(before);
         bequeath(before, newcomer.id);
         return before;
@@ -147,13 +157,16 @@ Welcome ReceiverTable::join(const Newcomer& newcomer, Clock::time_point now, Dec
     group.emptied = 0;
     group.lost.erase(newcomer.receiver);
     Member& member = group.members[newcomer.receiver];
-    const bool resumes = member.kept.away && newcomer.taken && newcomer.place == member.place;
+    const bool resumes = newcomer.taken && newcomer.place == member.place && group.subscription.may_resume(member.kept);
     welcome.place = member.place = resumes ? member.place : new_place();
     member.registered.options = newcomer.options;
     member.registered.newest = newcomer.epoch;
     ++member.registered.now;
-    seats_[newcomer.id] = {
-        .receiver = newcomer.receiver, .run = newcomer.run, .registration = newcomer.epoch, .group = &group};
+    seats_[newcomer.id] = {.receiver = newcomer.receiver,
+                           .run = newcomer.run,
+                           .registration = newcomer.epoch,
+                           .group = &group,
+                           .place = member.place};
     member.kept.local = newcomer.local;
     const Subscription::Kept kept{resumes ? newcomer.taken : std::nullopt, newcomer.held};
     welcome.taken = group.subscription.attach(newcomer.id, newcomer.options, kept, &member.kept, now, decisions);
@@ -169,18 +182,18 @@ void ReceiverTable::inherit(const Newcomer& newcomer, Clock::time_point now, Dec
         if (seat.group && plain.receiver == newcomer.receiver && !plain.subscription.present())
             seat.subscription().adopt(std::move(plain.subscription), now, decisions);
     for (auto& [name, group] : groups_)
-        if (&group != seat.group && was_last(group, newcomer, decisions) && !seat.is_back)
+        if (&group != seat.group && was_last(group, newcomer, now, decisions) && !seat.is_back)
             seat.subscription().adopt(std::move(group.subscription), now, decisions);
 }
 
 /// Was it the last member of this group, which waits for no other?
-bool ReceiverTable::was_last(Group& group, const Newcomer& newcomer, Decisions& decisions)
+bool ReceiverTable::was_last(Group& group, const Newcomer& newcomer, Clock::time_point now, Decisions& decisions)
 {
     const bool was_lost = group.lost.erase(newcomer.receiver) > 0;
     const auto member = group.members.find(newcomer.receiver);
     const bool was_member = member != group.members.end();
     if (was_member)
-        group.subscription.forget_away(member->second.kept, decisions);
+        group.subscription.forget_away(member->second.kept, now, decisions);
     return (was_lost || was_member) && !group.subscription.present() && group.lost.empty();
 }
 
@@ -245,7 +258,7 @@ void ReceiverTable::depart(Id id, Fate how, bool returns, Clock::time_point now,
         if (last)
             heir->second.subscription().adopt(std::move(subscription), now, decisions);
     }
-    departed(seat, how, heir != seats_.end(), decisions);
+    departed(seat, how, heir != seats_.end(), now, decisions);
     forget_awaited();
     forget_gone();
     forget_empty_groups(decisions);
@@ -259,7 +272,7 @@ void ReceiverTable::bequeath(Id before, Id heir)
             seat.heir = heir;
 }
 
-void ReceiverTable::departed(const Seat& seat, Fate how, bool followed, Decisions& decisions)
+void ReceiverTable::departed(const Seat& seat, Fate how, bool followed, Clock::time_point now, Decisions& decisions)
 {
     if (seat.plain) {
         unregister(seat.plain->registered);
@@ -270,10 +283,13 @@ void ReceiverTable::departed(const Seat& seat, Fate how, bool followed, Decision
     }
     const auto member = seat.group->members.find(seat.receiver);
     unregister(member->second.registered);
-    if (how != Fate::lost_left && !followed && seat.group->lost.size() < max_gone)
+    const bool left = how == Fate::lost_left || followed;
+    if (!left && seat.group->lost.size() < max_gone)
         seat.group->lost.insert(seat.receiver);
-    else
-        seat.group->subscription.forget_away(member->second.kept, decisions);
+    const auto away =
+        std::ranges::count_if(seat.group->members, [](auto& row) { return row.second.kept.away.has_value(); });
+    if ((left && seat.place == member->second.place) || away > static_cast<std::ptrdiff_t>(max_awaited))
+        seat.group->subscription.forget_away(member->second.kept, now, decisions);
 }
 
 void ReceiverTable::unregister(Registered& registered)
@@ -383,7 +399,7 @@ void ReceiverTable::tick(Clock::time_point now, Decisions& decisions)
         group.subscription.tick(now, decisions);
         for (auto& [receiver, member] : group.members)
             if (member.kept.away && member.kept.until <= now)
-                group.subscription.forget_away(member.kept, decisions);
+                group.subscription.forget_away(member.kept, now, decisions);
     }
 }
 
@@ -435,7 +451,7 @@ std::size_t ReceiverTable::forget(const std::string& drone, Decisions& decisions
     for (auto& [name, group] : groups_) {
         for (auto& [receiver, member] : group.members)
             if (is_of(receiver, drone))
-                group.subscription.forget_away(member.kept, decisions);
+                member.kept.until = {};  // the next tick forgets it
         if (group.subscription.awaited()
             && std::ranges::any_of(group.lost, [&](const std::string& name_of) { return is_of(name_of, drone); })) {
             group.subscription.cancel(decisions);

@@ -355,14 +355,18 @@ void Subscription::pass_on(Consumer& consumer, Handed& handed, bool failed, bool
         again_.insert(found->first);
 }
 
-/// Gives up jobs that failed too often and that no consumer can answer any more.
+/// Jobs that no consumer can answer any more are dispatched again, or given up if they failed too often.
 void Subscription::settle(Decisions& decisions)
 {
     if (!shared())
         return;
     for (auto it = open_.begin(); it != open_.end();) {
         const auto& [number, job] = *it++;
-        if (job.holders == 0 && !again_.contains(number))
+        if (job.holders > 0 || again_.contains(number))
+            continue;
+        if (kind_.redelivers && job.failures < max_failures)
+            again_.insert(number);
+        else
             abandon(number, decisions);
     }
 }

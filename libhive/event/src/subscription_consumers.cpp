@@ -18,10 +18,12 @@ std::int64_t Subscription::attach(ReceiverId id, const ConnectionOptions& option
     if (std::exchange(missing_as_, std::nullopt) && kept.received)
         missed_.count -= std::clamp(*kept.received, unsure_from_, unsure_to_) - unsure_from_;
     if (own) {
+        if (auto replaced = consumers_.extract(kept.received ? own->newest : 0); !replaced.empty())
+            own->away = Away{.was = std::move(replaced.mapped()), .how = Fate::lost_connection};
         own->newest = id;
         if (kept.received && own->away)
             resume(consumer, *std::exchange(own->away, std::nullopt), kept, decisions);
-        forget_away(*own, decisions);
+        forget_away(*own, now, decisions);
     } else if (away_) {
         resume(consumer, *std::exchange(away_, std::nullopt), kept, decisions);
     } else if (!shared()) {
@@ -46,6 +48,8 @@ void Subscription::resume(Consumer& consumer, Away away, const Kept& kept, Decis
     credit.begin(consumer.options, count, kept.held);
     consumer.credit = credit;
     consumer.hands = std::move(away.was.hands);
+    consumer.suspect = away.was.suspect && consumer.works();
+    consumer.head_since = away.was.head_since;
 }
 
 /// A job that crashed three consumers is not dispatched again.
@@ -69,7 +73,7 @@ void Subscription::take_back(Away& away, std::int64_t count)
     }
 }
 
-/// It has its first `count` deliveries again, and need not share those that no other consumer has got since.
+/// It keeps its first `count` deliveries, alone if they were requeued at its loss and no other consumer has got them.
 void Subscription::reclaim(Away& away, std::int64_t count, Decisions& decisions)
 {
     auto& hands = away.was.hands;
@@ -79,9 +83,9 @@ void Subscription::reclaim(Away& away, std::int64_t count, Decisions& decisions)
         if (job == open_.end())
             continue;
         if (i >= stay) {
-            --job->second.holders;
-        } else if (again_.erase(hands[i].job) > 0 || job->second.holders == 1) {
-            hands[i].passed_on = false;
+            pass_on(away.was, hands[i], false, false);
+        } else if (hands[i].lost && (again_.erase(hands[i].job) > 0 || job->second.holders == 1)) {
+            hands[i].passed_on = hands[i].lost = false;
             away.was.own->ledger.came();
         }
     }
@@ -89,7 +93,9 @@ void Subscription::reclaim(Away& away, std::int64_t count, Decisions& decisions)
     settle(decisions);
 }
 
-void Subscription::forget_away(Member& member, Decisions& decisions)
+bool Subscription::may_resume(const Member& member) const { return member.away || consumers_.contains(member.newest); }
+
+void Subscription::forget_away(Member& member, Clock::time_point now, Decisions& decisions)
 {
     const auto away = std::exchange(member.away, std::nullopt);
     if (!away)
@@ -98,6 +104,7 @@ void Subscription::forget_away(Member& member, Decisions& decisions)
         if (const auto job = open_.find(handed.job); job != open_.end())
             --job->second.holders;
     settle(decisions);
+    pump(now, decisions);
 }
 
 void Subscription::detach(ReceiverId id, Fate how, bool returns, Clock::time_point now, Decisions& decisions)
@@ -125,6 +132,7 @@ void Subscription::let_go(ReceiverId id, Consumer& consumer, Fate how, bool retu
     std::int64_t at_fault = 0;
     for (auto i = consumer.hands.size(); i-- > 0;) {
         Handed& handed = consumer.hands[i];
+        handed.live = nullptr;
         if (handed.job == 0)
             continue;
         const bool may_have_answered = how != Fate::lost_left || i < head;
@@ -132,8 +140,8 @@ void Subscription::let_go(ReceiverId id, Consumer& consumer, Fate how, bool retu
             job->second.in_doubt = true;
         const bool failed = died && i == head && !handed.passed_on;
         at_fault = failed ? handed.job : at_fault;
+        handed.lost = !handed.passed_on;
         pass_on(consumer, handed, failed, may_resume);
-        handed.live = nullptr;
     }
     if (!may_resume)
         return;

@@ -119,6 +119,60 @@ TEST_CASE("shared: a member that comes back has its work again, unless another h
     CHECK(workers.all_balanced());
 }
 
+TEST_CASE(
+    "shared: a member that is back before its loss is noticed keeps its work, and an event on the way goes out again")
+{
+    Workers workers(1, sharing(2));
+    workers.offer(1);
+    workers.offer(2);
+    workers.join(2);
+    CHECK(workers.resume(3, "face-1", 1, 1) == Got{{2, {2}}});
+    CHECK(workers.members["face-1"].ledger.of(Fate::passed_on) == 1);
+    workers.done(3, 1, 2);
+    workers.done(2, 1, 2);
+    CHECK(workers.went(Fate::acknowledged) == 2);
+    CHECK(workers.all_balanced());
+}
+
+TEST_CASE("shared: an event that never reached a member that comes back has not failed there")
+{
+    Workers workers(3);
+    workers.offer(1);
+    workers.lose(1);
+    workers.lose(2);
+    workers.lose(3, Fate::lost_cut_off);
+    CHECK(workers.resume(4, "face-3", 0, 0) == Got{{4, {1}}});
+    CHECK(workers.failed.empty());
+}
+
+TEST_CASE("shared: a member whose lease expired does not get its work back, nor more, by a new connection")
+{
+    Workers workers(1, sharing(500ms, 2));
+    workers.offer(1);
+    workers.offer(2);
+    workers.pass(500ms);
+    workers.lose(1, Fate::lost_connection);
+    workers.resume(2, "face-1", 2, 2);
+    CHECK(workers.subscription.waiting() == 2);
+    CHECK(workers.join(3, "face-2") == Got{{3, {1, 2}}});
+    workers.offer(3);
+    CHECK(workers.ask(2, {3, 1, 1}) == Got{{2, {3}}});
+}
+
+TEST_CASE("shared: the others are told the end when a lost member is no longer waited for")
+{
+    Workers workers(4);
+    workers.offer(1);
+    workers.lose(1);
+    workers.lose(2);
+    workers.lose(3, Fate::lost_cut_off);
+    CHECK(decided([&](Decisions& to) { workers.subscription.end(workers.now, to); }).ends.empty());
+    const auto over =
+        decided([&](Decisions& to) { workers.subscription.forget_away(workers.members["face-3"], workers.now, to); });
+    CHECK(over.failed.size() == 1);
+    CHECK(over.ends == std::vector<ReceiverId>{4});
+}
+
 TEST_CASE("shared: without leases the work of a member that is gone is lost")
 {
     Workers workers(2, sharing(), false);

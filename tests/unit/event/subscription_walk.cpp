@@ -189,7 +189,7 @@ private:
     void forget_away(Member& member)
     {
         member.away.reset();
-        decide([&](Decisions& to) { subscription_->forget_away(member.own, to); });
+        decide([&](Decisions& to) { subscription_->forget_away(member.own, now_, to); });
     }
 
     void detach()

@@ -57,7 +57,7 @@ public:
     /// This member, which lost its connection, will not return.
     Got forget(const std::string& name)
     {
-        return got([&](Decisions& to) { subscription.forget_away(members[name], to); });
+        return got([&](Decisions& to) { subscription.forget_away(members[name], now, to); });
     }
     /// No member will come.
     Got give_up()

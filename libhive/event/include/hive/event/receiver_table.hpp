@@ -170,24 +170,26 @@ private:
         Plain* plain = nullptr;
         bool is_back = false;      ///< it resumed `plain`, which existed before
         Group* group = nullptr;    ///< one of the two
+        std::int64_t place = 0;    ///< in the group
         std::optional<Id> heir{};  ///< the registration that replaced it while it finishes its events in progress
 
         [[nodiscard]] Subscription& subscription() const { return plain ? plain->subscription : group->subscription; }
     };
 
     [[nodiscard]] static bool is_at(const Plain& plain, const Newcomer& newcomer);
+    [[nodiscard]] bool is_at(const Seat& seat, const Newcomer& newcomer) const;
     [[nodiscard]] std::int64_t row_of(const Plain& plain) const;
     Plain& plain_for(const Newcomer& newcomer);
     Group& group_named(const std::string& name);
     Welcome seat(const Newcomer& newcomer, Clock::time_point now, Decisions& decisions);
     Welcome join(const Newcomer& newcomer, Clock::time_point now, Decisions& decisions);
     std::optional<Id> make_way(Id before, const Newcomer& newcomer, Clock::time_point now, Decisions& decisions);
-    [[nodiscard]] bool was_last(Group& group, const Newcomer& newcomer, Decisions& decisions);
+    [[nodiscard]] bool was_last(Group& group, const Newcomer& newcomer, Clock::time_point now, Decisions& decisions);
     void inherit(const Newcomer& newcomer, Clock::time_point now, Decisions& decisions);
     void offer_held(const Newcomer& newcomer, Clock::time_point now, Decisions& decisions);
     void depart(Id id, Fate how, bool returns, Clock::time_point now, Decisions& decisions);
     void bequeath(Id before, Id heir);
-    void departed(const Seat& seat, Fate how, bool followed, Decisions& decisions);
+    void departed(const Seat& seat, Fate how, bool followed, Clock::time_point now, Decisions& decisions);
     void unregister(Registered& registered);
     [[nodiscard]] bool any(bool (Subscription::*like)() const) const;
     [[nodiscard]] bool waits() const;

@@ -102,7 +102,9 @@ public:
     /// @param returns  false: it will not return
     void detach(ReceiverId id, Fate how, bool returns, Clock::time_point now, Decisions& decisions);
     /// This consumer, which lost its connection, will not resume.
-    void forget_away(Member& member, Decisions& decisions);
+    void forget_away(Member& member, Clock::time_point now, Decisions& decisions);
+    /// Is it there, or did it lose its connection not long ago?
+    [[nodiscard]] bool may_resume(const Member& member) const;
     /// The consumer gets nothing more; it still acknowledges its deliveries, and then leaves.
     void retire(ReceiverId id) { consumers_.at(id).retired = true; }
     /// Moves the waiting events of another subscription, which will have no consumer, to this one.
@@ -175,6 +177,7 @@ private:
     struct Handed {  ///< one delivery to a consumer
         std::int64_t job = 0;
         bool passed_on = false;  ///< it was requeued; only the acknowledgement of its number is awaited
+        bool lost = false;       ///< because the connection was lost
         EmissionPtr live{};      ///< a live event, kept as long as it may crash the consumer
     };
     struct Consumer {
