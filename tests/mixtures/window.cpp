@@ -50,9 +50,12 @@ bool Window::tells_all(const std::string& sender, const EdgeStatus& edge) const
 
 void Window::look(const std::string& sender, const std::string& output, const EdgeStatus& edge, Problems& problems)
 {
-    if (!tells_all(sender, edge))
-        return;
     const auto key = output + " -> " + edge.receiver;
+    if (!tells_all(sender, edge)) {
+        if (edge.connected && edge.options.group.empty())
+            rows_[key] = {edge.registration, 0, true};
+        return;
+    }
     const auto in_flight = edge.events.in_flight() - edge.waiting;
     const bool fit = fits(key, edge.registration, in_flight, edge.options.window);
     // A receiver that resumes asks for a window at once, and acknowledges what it did meanwhile in its first request.
