@@ -288,7 +288,7 @@ void ReceiverTable::departed(const Seat& seat, Fate how, bool followed, Clock::t
         seat.group->lost.insert(seat.receiver);
     const auto away =
         std::ranges::count_if(seat.group->members, [](auto& row) { return row.second.kept.away.has_value(); });
-    if ((left && seat.place == member->second.place) || away > static_cast<std::ptrdiff_t>(max_awaited))
+    if (seat.place == member->second.place && (left || away > static_cast<std::ptrdiff_t>(max_awaited)))
         seat.group->subscription.forget_away(member->second.kept, now, decisions);
 }
 
@@ -398,7 +398,7 @@ void ReceiverTable::tick(Clock::time_point now, Decisions& decisions)
     for (auto& [name, group] : groups_) {
         group.subscription.tick(now, decisions);
         for (auto& [receiver, member] : group.members)
-            if (member.kept.away && member.kept.until <= now)
+            if (member.kept.away && member.kept.away->since + Subscription::kept_for <= now)
                 group.subscription.forget_away(member.kept, now, decisions);
     }
 }
@@ -450,8 +450,8 @@ std::size_t ReceiverTable::forget(const std::string& drone, Decisions& decisions
         }
     for (auto& [name, group] : groups_) {
         for (auto& [receiver, member] : group.members)
-            if (is_of(receiver, drone))
-                member.kept.until = {};  // the next tick forgets it
+            if (is_of(receiver, drone) && member.kept.away)
+                member.kept.away->since = Clock::time_point::min();  // the next tick forgets it
         if (group.subscription.awaited()
             && std::ranges::any_of(group.lost, [&](const std::string& name_of) { return is_of(name_of, drone); })) {
             group.subscription.cancel(decisions);

@@ -19,13 +19,13 @@ std::int64_t Subscription::attach(ReceiverId id, const ConnectionOptions& option
         missed_.count -= std::clamp(*kept.received, unsure_from_, unsure_to_) - unsure_from_;
     if (own) {
         if (auto replaced = consumers_.extract(kept.received ? own->newest : 0); !replaced.empty())
-            own->away = Away{.was = std::move(replaced.mapped()), .how = Fate::lost_connection};
+            own->away = Away{.was = std::move(replaced.mapped()), .how = Fate::lost_connection, .since = now};
         own->newest = id;
         if (kept.received && own->away)
-            resume(consumer, *std::exchange(own->away, std::nullopt), kept, decisions);
+            resume(consumer, *std::exchange(own->away, std::nullopt), kept, now, decisions);
         forget_away(*own, now, decisions);
     } else if (away_) {
-        resume(consumer, *std::exchange(away_, std::nullopt), kept, decisions);
+        resume(consumer, *std::exchange(away_, std::nullopt), kept, now, decisions);
     } else if (!shared()) {
         lossless_.reset();
     }
@@ -36,7 +36,7 @@ std::int64_t Subscription::attach(ReceiverId id, const ConnectionOptions& option
 }
 
 /// If it has kept running, it still has the events that it received and did not acknowledge.
-void Subscription::resume(Consumer& consumer, Away away, const Kept& kept, Decisions& decisions)
+void Subscription::resume(Consumer& consumer, Away away, const Kept& kept, Clock::time_point now, Decisions& decisions)
 {
     auto& credit = away.was.credit;
     const auto count = kept.received ? std::clamp(*kept.received, credit.done(), credit.sent()) : credit.done();
@@ -49,7 +49,7 @@ void Subscription::resume(Consumer& consumer, Away away, const Kept& kept, Decis
     consumer.credit = credit;
     consumer.hands = std::move(away.was.hands);
     consumer.suspect = away.was.suspect && consumer.works();
-    consumer.head_since = away.was.head_since;
+    consumer.head_since = away.was.head_since + (now - away.since);  // its lease did not run meanwhile
 }
 
 /// A job that crashed three consumers is not dispatched again.
@@ -80,11 +80,9 @@ void Subscription::reclaim(Away& away, std::int64_t count, Decisions& decisions)
     const auto stay = static_cast<std::size_t>(count - away.was.credit.done());
     for (std::size_t i = 0; i < hands.size(); ++i) {
         const auto job = open_.find(hands[i].job);
-        if (job == open_.end())
-            continue;
         if (i >= stay) {
             pass_on(away.was, hands[i], false, false);
-        } else if (hands[i].lost && (again_.erase(hands[i].job) > 0 || job->second.holders == 1)) {
+        } else if (job != open_.end() && hands[i].lost && (again_.erase(job->first) > 0 || job->second.holders == 1)) {
             hands[i].passed_on = hands[i].lost = false;
             away.was.own->ledger.came();
         }
@@ -93,7 +91,11 @@ void Subscription::reclaim(Away& away, std::int64_t count, Decisions& decisions)
     settle(decisions);
 }
 
-bool Subscription::may_resume(const Member& member) const { return member.away || consumers_.contains(member.newest); }
+bool Subscription::may_resume(const Member& member) const
+{
+    const auto present = consumers_.find(member.newest);
+    return member.away || (present != consumers_.end() && !present->second.retired);
+}
 
 void Subscription::forget_away(Member& member, Clock::time_point now, Decisions& decisions)
 {
@@ -145,8 +147,7 @@ void Subscription::let_go(ReceiverId id, Consumer& consumer, Fate how, bool retu
     }
     if (!may_resume)
         return;
-    consumer.own->until = now + kept_for;
-    consumer.own->away = Away{.was = std::move(consumer), .how = how, .failed = at_fault};
+    consumer.own->away = Away{.was = std::move(consumer), .how = how, .since = now, .failed = at_fault};
 }
 
 /// The next consumer starts with new events.
@@ -174,7 +175,7 @@ void Subscription::last_one_left(Consumer&& last, Fate how, bool returns, Clock:
     awaited_until_ = now + kept_for;
     for (auto& handed : last.hands)
         handed.live = nullptr;
-    away_ = Away{.was = std::move(last), .how = how, .failed = failed};
+    away_ = Away{.was = std::move(last), .how = how, .since = now, .failed = failed};
 }
 
 void Subscription::expect(std::optional<Clock::time_point> until, Missed missed)

@@ -159,6 +159,30 @@ TEST_CASE("shared: a member whose lease expired does not get its work back, nor 
     CHECK(workers.ask(2, {3, 1, 1}) == Got{{2, {3}}});
 }
 
+TEST_CASE("shared: the lease of a member does not run while it is away")
+{
+    Workers workers(1, sharing(500ms, 2));
+    workers.offer(1);
+    workers.pass(300ms);
+    workers.lose(1, Fate::lost_connection);
+    workers.pass(3s);
+    workers.resume(2, "face-1", 1, 1);
+    workers.join(3, "face-2");
+    CHECK(workers.pass(100ms).empty());
+    CHECK(workers.pass(100ms) == Got{{3, {1}}});
+}
+
+TEST_CASE("shared: an event that was answered while it was on the way to a member is none that it has in hand")
+{
+    Workers workers(2, sharing(500ms));
+    workers.offer(1);
+    CHECK(workers.pass(500ms) == Got{{2, {1}}});
+    workers.done(1, 1);
+    workers.resume(3, "face-2", 0, 0);
+    CHECK(workers.members["face-2"].ledger.in_flight() == 0);
+    CHECK(workers.all_balanced());
+}
+
 TEST_CASE("shared: the others are told the end when a lost member is no longer waited for")
 {
     Workers workers(4);

@@ -198,6 +198,7 @@ private:
     struct Away {
         Consumer was;
         Fate how;
+        Clock::time_point since{};
         std::int64_t failed = 0;  ///< the job that counts as one it died of
     };
     using Consumers = std::map<ReceiverId, Consumer>;
@@ -232,7 +233,7 @@ private:
     void let_go(ReceiverId id, Consumer& consumer, Fate how, bool returns, Clock::time_point now);
     [[nodiscard]] bool may_show(const Consumer& consumer, const EmissionPtr& event) const;
     void show_hands(ReceiverId id, const Consumer& consumer, Decisions& decisions) const;
-    void resume(Consumer& consumer, Away away, const Kept& kept, Decisions& decisions);
+    void resume(Consumer& consumer, Away away, const Kept& kept, Clock::time_point now, Decisions& decisions);
     void take_back(Away& away, std::int64_t count);
     void reclaim(Away& away, std::int64_t count, Decisions& decisions);
     void abandon_exhausted(Decisions& decisions);
@@ -276,8 +277,7 @@ struct Subscription::Member {
     Ledger ledger;
     ReceiverId newest = 0;       ///< its last registration
     bool local = false;          ///< it is on this machine, where lost_killed is certain
-    std::optional<Away> away{};  ///< what that had in hand when its connection ended
-    Clock::time_point until{};   ///< kept so long
+    std::optional<Away> away{};  ///< what that had in hand when its connection ended; kept for 30 s
 };
 
 }  // namespace hive::event
