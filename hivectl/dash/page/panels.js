@@ -63,6 +63,8 @@ class Parameter {
     this.controls = [this.control];
     if (number && known(min)) this.control.min = min;
     if (number && known(max)) this.control.max = max;
+    this.control.oninput = () => { this.edited = true; };
+    this.control.onblur = () => { this.edited = false; };
     this.control.onchange = () => this.send(this.value());
     if (number && known(min) && known(max)) {
       this.slider = element("input", { type: "range", min, max, step: type === "integer" ? 1 : "any", "aria-label": this.info.name });
@@ -99,8 +101,9 @@ class Parameter {
 
   show(value, answered = false) {
     this.present = value;
-    const busy = (this.sending || this.controls.includes(document.activeElement)) && !answered;
+    const busy = (this.sending || this.edited || (this.slider && document.activeElement === this.slider)) && !answered;
     if (busy || value === undefined) return;
+    this.edited = false;
     if (this.info.type === "flag") this.control.checked = value;
     else this.control.value = value;
     if (this.slider) this.slider.value = value;
