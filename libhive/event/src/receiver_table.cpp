@@ -451,7 +451,7 @@ std::size_t ReceiverTable::forget(const std::string& drone, Decisions& decisions
     for (auto& [name, group] : groups_) {
         for (auto& [receiver, member] : group.members)
             if (is_of(receiver, drone) && member.kept.away)
-                member.kept.away->since = Clock::time_point::min();  // the next tick forgets it
+                member.kept.away->since -= Subscription::kept_for;  // the next tick forgets it
         if (group.subscription.awaited()
             && std::ranges::any_of(group.lost, [&](const std::string& name_of) { return is_of(name_of, drone); })) {
             group.subscription.cancel(decisions);
