@@ -15,10 +15,9 @@
 //   - A drone whose code throws starts anew: exceptions wait for nobody, and who hears them has to come back first.
 //   - Two machines are parted, or a drone is dead meanwhile, for so long that a place may be given up.
 //
-// What nobody can promise: an exception that says that an event was given up may come beside a result of the event. Its
-// drone may have been killed or replaced before it acknowledged the event, may share its work with another drone that
-// had the event, too, or may have been told that a receiver is disconnected which was still working on it. Only who
-// collects both in order gets one of them (SPEC.md, section 8.5).
+// Not promised: that an event which a drone gives up has no result besides this exception. The drone may be killed or
+// replaced before it acknowledges the event, another member of its group may have the event, too, or it may disconnect
+// a receiver that still processes the event. A collector in order rejects the second answer (SPEC.md, section 8.5).
 //
 // A live source owes nothing but that no result comes twice, and that what is collected in order is in order.
 #include "model.hpp"

@@ -183,7 +183,7 @@ TEST_CASE("shared: an event that was answered while it was on the way to a membe
     CHECK(workers.all_balanced());
 }
 
-TEST_CASE("shared: the others are told the end when a lost member is no longer waited for")
+TEST_CASE("shared: the other members get the end when the sender stops waiting for a lost one")
 {
     Workers workers(4);
     workers.offer(1);

@@ -101,7 +101,7 @@ private:
             seat.known = {welcome.taken + newcomer.options.window, welcome.taken, welcome.taken};
             hold(welcome.place != 0, "every receiver has a place");
             hold(newcomer.options.group.empty() != welcome.group.has_value(),
-                 "members are told how far their group is");
+                 "a member gets the progress of its group");
         });
         replace_earlier(newcomer, seat.place);
     }
