@@ -12,7 +12,7 @@ using protocol::Request;
 
 namespace {
 
-constexpr std::int64_t told_at_least = 16;  // a stream reports after this many finished events
+constexpr std::int64_t most_unreported = 16;  // processed deliveries of a stream
 
 }  // namespace
 
@@ -33,6 +33,7 @@ bool InputProgress::begin(std::int64_t epoch, const ConnectionOptions& options, 
             back_.push_back(each.number);
     returned_.clear();
     finished_ = std::max(finished_, done_);
+    prompt_until_ = arrived() + 1;
     const auto told = goes_on ? 0 : done_;  // the last report may have been lost
     const auto asks = [&](std::int64_t window) { return arrived() + std::max<std::int64_t>(window - held, 0); };
     told_ = {.epoch = epoch, .id = asks(options.window), .done = told, .worked = told};
@@ -53,8 +54,9 @@ bool InputProgress::allows(bool lossless) const
 
 std::int64_t InputProgress::receive(bool lossless, std::int64_t turn)
 {
-    lossless_ = lossless;
     in_hand_.push_back({.turn = turn, .lossless = lossless});
+    if (lossless)
+        prompt_until_ = arrived();
     while (!returned_.empty() && returned_.front().until < arrived())
         returned_.pop_front();
     return arrived();
@@ -98,11 +100,11 @@ bool InputProgress::urgent(std::int64_t worked, bool more, bool waits) const
         return true;
     if (options_.transfer == Transfer::streaming)
         return (done_ > told_.done || worked > told_.worked || more)
-               && (!waits || lossless_ || worked - told_.worked >= told_at_least);
+               && (told_.done < prompt_until_ || worked - told_.worked >= most_unreported);
     return more || (worked > told_.worked && !options_.group.empty()) || (done_ > told_.done && !waits);
 }
 
-std::optional<Request> InputProgress::news(bool may_ask)
+std::optional<Request> InputProgress::news(bool may_ask, bool late)
 {
     const auto ask = may_ask ? std::max(told_.id, options_.window + finished_ - unprocessed_before_) : told_.id;
     // A stream asks for nothing: what it has processed lets more lossless events come.
@@ -110,7 +112,13 @@ std::optional<Request> InputProgress::news(bool may_ask)
     const auto worked = tells ? worked_ : std::max(told_.worked, done_);
     const bool more = tells && allowed(ask, worked) > allowed_;
     const bool waits = may_ask && !all_worked();  // while paused, the rest may wait for long
-    return urgent(worked, more, waits) ? std::optional(tell(ask, worked)) : std::nullopt;
+    const bool due = late ? done_ > told_.done || worked > told_.worked : urgent(worked, more, waits);
+    return due ? std::optional(tell(ask, worked)) : std::nullopt;
+}
+
+bool InputProgress::has_late_news() const
+{
+    return options_.transfer == Transfer::streaming && (done_ > told_.done || worked_ > told_.worked);
 }
 
 std::optional<Request> InputProgress::last_news()

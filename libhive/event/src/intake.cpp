@@ -46,7 +46,8 @@ Intake::Intake(Module& module, IntakeSpec spec, Sink sink, std::function<void()>
       on_end_(std::move(on_end)),
       backoff_(backoff_for(spec_.address)),
       quick_backoff_(10ms, 200ms, static_cast<std::uint32_t>(wall_us())),
-      timer_(module.context())
+      timer_(module.context()),
+      report_timer_(module.context())
 {
 }
 
@@ -291,9 +292,11 @@ void Intake::try_to_leave()
     const bool owed = shared ? !progress_.empty() : progress_.lossless_in_hand();
     if (stage_ >= Stage::leaving || (connected_ && owed))
         return;
+    if (connected_)
+        tell(progress_.last_news());
     stage_ = Stage::leaving;
     timer_.cancel();
-    const auto tell = [self = shared_from_this()] {
+    const auto left = [self = shared_from_this()] {
         self->connected_ = false;
         self->stage_ = Stage::left;
         std::exchange(self->on_left_, [] {})();
@@ -302,9 +305,9 @@ void Intake::try_to_leave()
     const auto link = release_link();
     connected_ = false;
     if (!link || !link->open())
-        return tell();
+        return left();
     link->request(
-        PacketType::deregister, Json::object(), {}, Clock::now() + dial_timeout, [tell](const Outcome&) { tell(); },
+        PacketType::deregister, Json::object(), {}, Clock::now() + dial_timeout, [left](const Outcome&) { left(); },
         channel_);
     module_.arm();
 }

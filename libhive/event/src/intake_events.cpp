@@ -5,6 +5,7 @@
 #include <hive/printable.hpp>
 
 #include <algorithm>
+#include <utility>
 
 namespace hive::event {
 
@@ -12,8 +13,11 @@ using protocol::PacketType;
 
 namespace {
 
+using namespace std::chrono_literals;
+
 constexpr std::int64_t no_generation = -1;  // of an event that is not requested, and not acknowledged
-constexpr std::size_t most_shown = 400;     // of an error in the status, which has a row per input
+constexpr auto late_report = 10ms;
+constexpr std::size_t most_shown = 400;  // of an error in the status, which has a row per input
 
 std::string text_of(const Error& error) { return error.what() + (error.advice().empty() ? "" : "; " + error.advice()); }
 
@@ -163,10 +167,19 @@ void Intake::heard(std::int64_t generation, std::int64_t number, bool worked, bo
         changed();
 }
 
-void Intake::flush()
+void Intake::flush(bool late)
 {
-    if (connected_)
-        tell(progress_.news(!stopped() && module_.paused() == Reason::none));
+    if (!connected_)
+        return;
+    tell(progress_.news(!stopped() && module_.paused() == Reason::none, late));
+    if (late || !progress_.has_late_news() || std::exchange(reports_, true))
+        return;
+    report_timer_.run_after(late_report, [weak = weak_from_this()] {
+        if (const auto self = weak.lock()) {
+            self->reports_ = false;
+            self->flush(true);
+        }
+    });
 }
 
 void Intake::tell(const std::optional<protocol::Request>& news)

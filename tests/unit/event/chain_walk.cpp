@@ -222,11 +222,11 @@ private:
     }
 
     /// A drone whose results wait asks for nothing.
-    void flush(Line& line)
+    void flush(Line& line, bool late = false)
     {
         if (!line.connected)
             return;
-        if (auto news = line.progress.news(!line.to->out || !line.to->out->backlogged()))
+        if (auto news = line.progress.news(!line.to->out || !line.to->out->backlogged(), late))
             line.up.push_back(std::move(*news));
     }
 
@@ -298,6 +298,8 @@ private:
         for (Drone& drone : drones_)
             if (drone.out)
                 decide(drone, [&](Decisions& to) { drone.out->tick(now_, to); });
+        for (Line& line : lines_)
+            flush(line, true);
     }
 
     /// Everybody is there and deals with everything.

@@ -109,22 +109,55 @@ TEST_CASE("input progress: while it may not ask, what it has processed and not a
 
 TEST_CASE("input progress: a halted receiver reports the end of an event at once, since the next may take long")
 {
-    for (const auto& options : {streaming(), window(3)}) {
-        InputProgress input;
-        CHECK_FALSE(input.begin(1, options, 5, 0, 0));
-        for (int i = 0; i < 3; ++i)
-            input.receive(false, 0);
-        input.heard(input.generation(), 1, true, false, false);
-        const auto before = input.news(true);
-        CHECK(before.has_value() == (options.transfer != Transfer::streaming));
-        CHECK_FALSE(input.news(false));
-        input.heard(input.generation(), 1, false, true, false);
-        CHECK_FALSE(input.news(true));  // it goes with the next
-        const auto news = input.news(false);
-        REQUIRE(news);
-        CHECK(news->done == 1);
-        CHECK_FALSE(input.news(false));
+    InputProgress input;
+    CHECK_FALSE(input.begin(1, window(3), 5, 0, 0));
+    for (int i = 0; i < 3; ++i)
+        input.receive(false, 0);
+    input.heard(input.generation(), 1, true, false, false);
+    CHECK(input.news(true));
+    CHECK_FALSE(input.news(false));
+    input.heard(input.generation(), 1, false, true, false);
+    CHECK_FALSE(input.news(true));  // it goes with the next
+    const auto news = input.news(false);
+    REQUIRE(news);
+    CHECK(news->done == 1);
+    CHECK_FALSE(input.news(false));
+}
+
+TEST_CASE("input progress: a stream reports live events late, or after 16 of them, and lossless ones at once")
+{
+    InputProgress input;
+    CHECK_FALSE(input.begin(1, streaming(), 5, 0, 0));
+    const auto process = [&](bool lossless) {
+        input.heard(input.generation(), input.receive(lossless, 0), true, true, false);
+        return input.news(true);
+    };
+    CHECK(process(false));  // the first shows the sender that it is here
+    for (int i = 0; i < 15; ++i) {
+        CHECK_FALSE(process(false));
+        CHECK(input.has_late_news());
     }
+    const auto sixteenth = process(false);
+    REQUIRE(sixteenth);
+    CHECK(sixteenth->done == 17);
+    CHECK_FALSE(input.has_late_news());
+
+    CHECK_FALSE(process(false));
+    const auto late = input.news(true, true);
+    REQUIRE(late);
+    CHECK(late->done == 18);
+    CHECK_FALSE(input.news(true, true));
+
+    CHECK(process(true));
+    CHECK_FALSE(process(false));
+    const auto results_wait = input.receive(true, 0);
+    input.heard(input.generation(), results_wait, true, false, false);
+    const auto processed = input.news(true);
+    REQUIRE(processed);
+    CHECK(processed->worked == 21);
+    CHECK(processed->done == 20);
+    input.heard(input.generation(), results_wait, false, true, false);
+    CHECK(input.news(true));
 }
 
 TEST_CASE("input progress: a member repeats what it returned over a connection that was lost, unless that got there")

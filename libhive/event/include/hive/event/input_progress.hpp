@@ -37,8 +37,10 @@ public:
     /// A delivery was processed, or is finished. @param back  return it if another member can get it
     void heard(std::int64_t generation, std::int64_t number, bool worked, bool done, bool back);
 
-    /// The request that must be sent now, if any. @param may_ask  for more events
-    std::optional<protocol::Request> news(bool may_ask);
+    /// The request that must be sent now, if any. @param may_ask  for more events @param late  nothing may wait longer
+    std::optional<protocol::Request> news(bool may_ask, bool late = false);
+    /// Has a stream something to report that may wait a little? A report of each live event would double its packets.
+    [[nodiscard]] bool has_late_news() const;
     /// Finished deliveries that were not reported; the last report.
     std::optional<protocol::Request> last_news();
     /// Repeats the last request, which requests nothing new.
@@ -90,7 +92,7 @@ private:
     std::deque<Returned> returned_;   ///< in a request that may have been lost
     protocol::Request told_;          ///< last
     std::int64_t allowed_ = 0;        ///< the sender may send up to this number; live events of a stream always
-    bool lossless_ = false;           ///< the last event was
+    std::int64_t prompt_until_ = 0;   ///< a stream reports at once until the last lossless delivery is acknowledged
 };
 
 }  // namespace hive::event

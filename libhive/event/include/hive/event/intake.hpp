@@ -76,8 +76,8 @@ public:
     void hand_over();
     /// Is there work in progress, or a result that is not acknowledged yet?
     [[nodiscard]] bool owes() const { return progress_.owes(); }
-    /// Requests as many events as possible now.
-    void flush();
+    /// Requests as many events as possible now. @param late  and reports what could wait for a moment
+    void flush(bool late = false);
     /// Another intake is being made that will replace this one: until go_on(), this one does not reconnect to the
     /// sender, which would treat it as the newer of the two.
     void hold() { ++held_; }
@@ -151,7 +151,8 @@ private:
     Backoff backoff_, quick_backoff_;
     std::optional<Clock::time_point> lost_;  ///< since when it has been disconnected
     std::int64_t round_trip_us_ = 0;         ///< of the connection that was lost
-    platform::Timer timer_;
+    platform::Timer timer_, report_timer_;
+    bool reports_ = false;  ///< a late report is due
     LinkPtr link_;
     std::uint16_t channel_ = 0;
     Stage stage_ = Stage::taking;
