@@ -59,10 +59,12 @@ Reason Subscription::why() const
     }
     if (const auto event = next(); event && lanes_full(*event))
         return Reason::lane_full;
-    if (asks())
-        return Reason::none;
     const bool exhausted =
         std::ranges::any_of(open_, [](const auto& row) { return row.second.failures >= max_failures; });
+    if (ended_ && shared() && exhausted)  // the end waits, also if the member that may answer is away
+        return Reason::lease_running;
+    if (asks())
+        return Reason::none;
     const bool suspect = std::ranges::any_of(consumers_, [](const auto& row) { return row.second.suspect; });
     if (std::ranges::all_of(consumers_, [](const auto& row) { return row.second.credit.full(); }))
         return Reason::not_acknowledged;

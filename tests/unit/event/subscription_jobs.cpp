@@ -93,6 +93,10 @@ TEST_CASE(
     CHECK(workers.failed.empty());
     CHECK(workers.lose(3).empty());
     CHECK(workers.failed.empty());
+    CHECK(workers.subscription.why() == Reason::none);
+    decided([&](Decisions& to) { workers.subscription.end(workers.now, to); });
+    CHECK(workers.subscription.why() == Reason::lease_running);  // for the end waits
+    decided([&](Decisions& to) { workers.subscription.go_on(to); });
     CHECK(workers.forget("face-2").empty());
     CHECK(workers.failed == Sequences{1});
     REQUIRE(workers.last_failed);
