@@ -72,7 +72,8 @@ function light(state, message) {
 function show(status) {
   const some = status.number > 0;
   write("sender", some ? status.sender : "waiting");
-  write("source", some && !status.sender.startsWith(status.source + ".") ? "from " + status.source : "");
+  const drone = status.sender.slice(0, status.sender.lastIndexOf("."));
+  write("source", some && drone !== status.source ? "from " + status.source : "");
   write("rate", status.rate > 0 ? status.rate.toFixed(1) + " fps" : "–");
   write("age", status.age_ms === null ? "–" : time(status.age_ms));
   write("size", some ? status.width + " × " + status.height : "–");

@@ -15,8 +15,8 @@ using namespace std::chrono_literals;
 bool concerns(const Row& row, const std::vector<std::string>& drones)
 {
     return std::ranges::any_of(drones, [&](const std::string& drone) {
-        return row.text("from").starts_with(drone + ".") || row.text("to") == drone
-               || row.text("to").starts_with(drone + ".");
+        const auto to = row.text("to");
+        return hive::is_port_of(row.text("from"), drone) || to == drone || hive::is_port_of(to, drone);
     });
 }
 

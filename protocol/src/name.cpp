@@ -33,6 +33,20 @@ std::string require_name(std::string_view text, std::string_view what)
     return std::string(text);
 }
 
+std::string require_port_name(std::string_view text, std::string_view what)
+{
+    if (text.find('.') != std::string_view::npos)
+        throw Error(Errc::invalid_argument,
+                    in_quotes(text) + " is not the name of an " + std::string(what) + ", because it has a point",
+                    "write _ or - instead");
+    return require_name(text, what);
+}
+
+bool is_port_of(std::string_view text, std::string_view drone) noexcept
+{
+    return text.size() > drone.size() + 1 && text.starts_with(drone) && text.rfind('.') == drone.size();
+}
+
 Error no_such(const std::string& text, std::string_view name, const std::vector<std::string>& candidates,
               const std::string& otherwise)
 {

@@ -133,7 +133,7 @@ std::int64_t Intake::note_share(Event& event)
 {
     auto& shares = event.identity.shares;
     const auto before = std::find_if_not(shares.rbegin(), shares.rend(), [&](const Share& share) {
-        return share.of.starts_with(spec_.sender) && share.of[spec_.sender.size()] == '.';
+        return is_port_of(std::string_view(share.of).substr(0, share.of.find('#')), spec_.sender);
     });
     of_member_ = before != shares.rend() && before->group();
     const bool lossless = event.identity.lossless;

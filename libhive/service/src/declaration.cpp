@@ -24,7 +24,7 @@ Declaration::Declaration(DroneProgram program)
 void Declaration::add_input(const std::string& name, const std::string& type,
                             std::function<void(const Event&)> callback, const std::string& help)
 {
-    interface.inputs.push_back({require_name(name, "input"), type, help});
+    interface.inputs.push_back({require_port_name(name, "input"), type, help});
     callbacks[name] = std::move(callback);
 }
 
@@ -33,7 +33,7 @@ std::size_t Declaration::add_matching(const std::vector<MatchedInput>& inputs, M
 {
     std::vector<std::string> names;
     for (const auto& input : inputs) {
-        interface.inputs.push_back({require_name(input.name, "input"), input.type, input.help});
+        interface.inputs.push_back({require_port_name(input.name, "input"), input.type, input.help});
         names.push_back(input.name);
     }
     interface.stateful = true;

@@ -55,7 +55,7 @@ void Drone::parameter(const std::string& name, std::string& variable, const Cons
 
 Output Drone::output(const std::string& name, const std::string& type, const std::string& help, Encoder encoder)
 {
-    return {core_, core_.emitter().add_output({require_name(name, "output"), type, help}, std::move(encoder))};
+    return {core_, core_.emitter().add_output({require_port_name(name, "output"), type, help}, std::move(encoder))};
 }
 
 void Drone::on_event(const std::string& input, const std::string& type, std::function<void(const Event&)> callback,

@@ -195,7 +195,7 @@ void add_sender(Stage& stage, const Status& before, const Status& now, const Ste
     for (const auto& output : now.outputs)
         for (const auto& row : output.edges)
             if (row.connected && output.name == parse_endpoint(step.from).port
-                && row.receiver.starts_with(drone_of(member) + "."))
+                && is_port_of(row.receiver, drone_of(member)))
                 stage.encoding = row.encoding;
     if (!stage.encoding.empty() && stage.encoding != "raw")
         stage.encode_us = ratio(static_cast<double>(now.encoding_us - before.encoding_us), encoded);
