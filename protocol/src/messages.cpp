@@ -1,25 +1,11 @@
 // The JSON of hello, register, request, end and confirmation.
-#include <hive/name.hpp>
+#include "receiver_name.hpp"
+
 #include <hive/plain_text.hpp>
 #include <hive/printable.hpp>
 #include <hive/protocol/messages.hpp>
 
 namespace hive::protocol {
-namespace {
-
-/// "face" or "face.image": displayed, and used as a name in tables.
-std::string receiver_name(const Fields& fields)
-{
-    auto text = fields.text("receiver");
-    const auto dot = text.rfind('.');
-    const bool both = dot != std::string::npos && is_name(text.substr(0, dot)) && is_name(text.substr(dot + 1));
-    if (!both && !is_name(text))
-        throw Error(Errc::malformed, "register: \"receiver\" must be a name, or two joined by a point");
-    return text;
-}
-
-}  // namespace
-
 Json to_json(const Hello& hello)
 {
     Json json{{"name", hello.name}, {"kind", hello.kind}, {"epoch", hello.epoch}, {"pid", hello.pid}};

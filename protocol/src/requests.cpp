@@ -1,4 +1,6 @@
-// The JSON of connect, set and forget.
+// The JSON of connect, disconnect, get, put, set and forget.
+#include "receiver_name.hpp"
+
 #include <hive/error.hpp>
 #include <hive/protocol/requests.hpp>
 
@@ -21,6 +23,49 @@ Connect connect_from_json(const Json& object)
             .address = from.text_or("address", ""),
             .input = fields.name("input"),
             .options = fields.has("options") ? connection_options(fields.object("options")) : ConnectionOptions{}};
+}
+
+Json to_json(const Disconnect& disconnect)
+{
+    Json object{{"from", {{"drone", disconnect.drone}}}};
+    if (!disconnect.output.empty())
+        object["from"]["output"] = disconnect.output;
+    if (!disconnect.input.empty())
+        object["input"] = disconnect.input;
+    return object;
+}
+
+Disconnect disconnect_from_json(const Json& object)
+{
+    const Fields fields(object, "disconnect");
+    const Fields from(fields.object("from"), "disconnect: from");
+    return {.drone = from.name("drone"), .output = from.name_or("output", ""), .input = fields.name_or("input", "")};
+}
+
+Json to_json(const Get& get) { return {{"names", get.names}, {"asked", get.asked}}; }
+
+Get get_from_json(const Json& object)
+{
+    const Fields fields(object, "get");
+    Get get{.asked = fields.flag_or("asked", false)};
+    if (fields.has("names"))
+        for (const auto& name : fields.array("names")) {
+            if (!name.is_string())
+                throw Error(Errc::malformed, "get: \"names\" must be an array of texts");
+            get.names.push_back(name.get<std::string>());
+        }
+    return get;
+}
+
+Json to_json(const Put& put) { return {{"input", put.input}, {"type", put.type}, {"header", put.header}}; }
+
+Put put_from_json(const Json& object)
+{
+    const Fields fields(object, "put");
+    return {.input = fields.name("input"),
+            .type = fields.text("type"),
+            .header = fields.has("header") ? fields.object("header") : Json::object(),
+            .again = fields.has("source")};
 }
 
 Json to_json(const Set& set)
@@ -61,10 +106,7 @@ Json to_json(const Forget& forget)
 Forget forget_from_json(const Json& object)
 {
     const Fields fields(object, "forget");
-    Forget forget{.output = fields.name_or("output", ""), .receiver = fields.text("receiver")};
-    if (forget.receiver.empty())
-        throw Error(Errc::malformed, "forget: \"receiver\" must not be empty");
-    return forget;
+    return {.output = fields.name_or("output", ""), .receiver = receiver_name(fields)};
 }
 
 }  // namespace hive::protocol

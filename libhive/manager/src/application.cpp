@@ -7,6 +7,7 @@
 #include <hive/event/failure_store.hpp>
 #include <hive/event_text.hpp>
 #include <hive/name.hpp>
+#include <hive/protocol/requests.hpp>
 
 #include <algorithm>
 #include <set>
@@ -147,19 +148,19 @@ SetResult Application::set(const std::vector<std::string>& drones, const Json& p
 
 Json Application::get(const std::string& drone, const std::vector<std::string>& names)
 {
-    return parameters_in(drone, core_->ask(drone, PacketType::get, {{"names", names}}));
+    return parameters_in(drone, core_->ask(drone, PacketType::get, to_json(protocol::Get{.names = names})));
 }
 
 std::vector<Answer> Application::get(const std::vector<std::string>& drones, const std::vector<std::string>& names)
 {
-    auto answers = core_->ask_all(drones, PacketType::get, Json{{"names", names}});
+    auto answers = core_->ask_all(drones, PacketType::get, to_json(protocol::Get{.names = names}));
     keep_parameters(answers);
     return answers;
 }
 
 std::vector<Answer> Application::asked(const std::vector<std::string>& drones)
 {
-    auto answers = core_->ask_all(drones, PacketType::get, Json{{"asked", true}});
+    auto answers = core_->ask_all(drones, PacketType::get, to_json(protocol::Get{.asked = true}));
     keep_parameters(answers);
     return answers;
 }
@@ -173,7 +174,8 @@ void Application::put(const Endpoint& input, const Json& header, Body body, cons
                    return types_fit(type, port.type);
                }).name;
     }
-    core_->ask(input.drone, PacketType::put, {{"input", name}, {"type", type}, {"header", header}}, body);
+    core_->ask(input.drone, PacketType::put, to_json(protocol::Put{.input = name, .type = type, .header = header}),
+               body);
 }
 
 void Application::put(const Endpoint& input, const Event& event)

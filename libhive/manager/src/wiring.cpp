@@ -219,12 +219,8 @@ void Application::disconnect(const Endpoint& sender, const Endpoint& receiver)
 
 void Application::Core::disconnect(const Endpoint& sender, const Endpoint& receiver)
 {
-    Json header{{"from", {{"drone", drone_of(sender.drone)}}}};
-    if (!sender.port.empty())
-        header["from"]["output"] = sender.port;
-    if (!receiver.port.empty())
-        header["input"] = receiver.port;
-    ask(receiver.drone, PacketType::disconnect, header);
+    const protocol::Disconnect what{.drone = drone_of(sender.drone), .output = sender.port, .input = receiver.port};
+    ask(receiver.drone, PacketType::disconnect, to_json(what));
 }
 
 }  // namespace hive

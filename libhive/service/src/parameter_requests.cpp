@@ -28,15 +28,8 @@ Error refusal(const Error& error)
 
 void ParameterRequests::on_get(const Incoming& incoming) const
 {
-    const Fields fields(incoming.header, "get");
-    std::vector<std::string> names;
-    if (fields.has("names"))
-        for (const auto& name : fields.array("names")) {
-            if (!name.is_string())
-                throw Error(Errc::malformed, "get: \"names\" must be an array of texts");
-            names.push_back(name.get<std::string>());
-        }
-    auto values = fields.flag_or("asked", false) ? parts_.parameters.asked(names) : parts_.parameters.values(names);
+    const auto [names, asked] = protocol::get_from_json(incoming.header);
+    auto values = asked ? parts_.parameters.asked(names) : parts_.parameters.values(names);
     if (incoming.role == Role::viewer)
         for (const auto& parameter : parts_.parameters.declared())
             if (parameter.for_operator && values.erase(parameter.name) > 0 && !names.empty())

@@ -71,29 +71,27 @@ void Requests::restore(const Json& state, const std::vector<protocol::Connect>& 
 
 namespace {
 
-/// With a `source` it is the event of another drone, sent again; no sender waits for its outcome.
-Event put_event(const Incoming& incoming)
+/// An event of another drone that is sent again keeps its identity; no sender waits for its outcome.
+Event put_event(const protocol::Put& put, const Incoming& incoming)
 {
-    const Fields fields(incoming.header, "put");
-    Event event;
-    if (fields.has("source")) {
-        event = event_from_text(to_text(incoming.header), incoming.body);
+    if (put.again) {
+        Event event = event_from_text(to_text(incoming.header), incoming.body);
         event.identity.lossless = false;
         event.identity.shares.clear();
         return event;
     }
-    event.type = fields.text("type");
+    Event event;
+    event.type = put.type;
     event.identity = {.source = incoming.peer,
                       .epoch = incoming.peer_epoch,
-                      .sequence = fields.integer("id", 0, max_json_integer),
+                      .sequence = Fields(incoming.header, "put").integer("id", 0, max_json_integer),
                       .captured_us = event::wall_us(),
                       .monotonic_us = event::steady_us(),
                       .hops = {}};
     event.sender = incoming.peer;
     event.kind = "application";
     event.output = "put";
-    if (fields.has("header"))
-        event.header = fields.object("header");
+    event.header = put.header;
     event.body = incoming.body;
     event.size = incoming.body.size();
     return event;
@@ -103,12 +101,12 @@ Event put_event(const Incoming& incoming)
 
 void Requests::on_put(const Incoming& incoming)
 {
-    const Fields fields(incoming.header, "put");
+    const auto put = protocol::put_from_json(incoming.header);
     const auto& name = parts_.module.self().name;
-    const Port& input = port_named(parts_.declaration.interface.inputs, name, "input", fields.name("input"));
+    const Port& input = port_named(parts_.declaration.interface.inputs, name, "input", put.input);
     if (parts_.board.halted())
         throw Error(Errc::halted, name + " has halted", "resume it: hivectl resume " + name);
-    Event event = put_event(incoming);
+    Event event = put_event(put, incoming);
     if (!types_fit(event.type, input.type))
         throw Error(Errc::type_mismatch,
                     "the event is " + event.type + ", but " + name + "." + input.name + " takes " + input.type);

@@ -66,12 +66,10 @@ void Wiring::on_connect(const event::Incoming& incoming)
 
 void Wiring::on_disconnect(const event::Incoming& incoming)
 {
-    const Fields fields(incoming.header, "disconnect");
-    const Fields from(fields.object("from"), "disconnect: from");
-    const auto drone = from.name("drone"), output = from.name_or("output", ""), input = fields.name_or("input", "");
+    const auto what = protocol::disconnect_from_json(incoming.header);
     const auto meant = [&](const IntakeSpec& spec) {
-        return spec.sender == drone && (output.empty() || spec.output == output)
-               && (input.empty() || spec.input == input);
+        return spec.sender == what.drone && (what.output.empty() || spec.output == what.output)
+               && (what.input.empty() || spec.input == what.input);
     };
     std::size_t removed = 0;
     for (const auto& intake : std::vector(module_.intakes()))
@@ -82,8 +80,8 @@ void Wiring::on_disconnect(const event::Incoming& incoming)
         }
     pass_end_on();
     if (removed == 0)
-        throw Error(Errc::not_found,
-                    module_.self().name + " receives nothing from " + drone + (output.empty() ? "" : "." + output));
+        throw Error(Errc::not_found, module_.self().name + " receives nothing from " + what.drone
+                                         + (what.output.empty() ? "" : "." + what.output));
     state_file_.remember();
     incoming.answer(Json{{"removed", removed}});
 }

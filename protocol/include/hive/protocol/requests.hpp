@@ -5,6 +5,7 @@
 #include <hive/transfer.hpp>
 
 #include <string>
+#include <vector>
 
 namespace hive::protocol {
 
@@ -17,6 +18,31 @@ struct Connect {
 };
 Json to_json(const Connect& connect);
 Connect connect_from_json(const Json& object);
+
+/// Asks a drone to end connections of its inputs.
+struct Disconnect {
+    std::string drone, output = {};  ///< the sender; without output: all its outputs
+    std::string input = {};          ///< empty: all inputs
+};
+Json to_json(const Disconnect& disconnect);
+Disconnect disconnect_from_json(const Json& object);
+
+/// Asks for the values of parameters.
+struct Get {
+    std::vector<std::string> names = {};  ///< empty: all
+    bool asked = false;                   ///< as the values were asked for
+};
+Json to_json(const Get& get);
+Get get_from_json(const Json& object);
+
+/// Gives an event to an input. Its body is that of the packet.
+struct Put {
+    std::string input, type;
+    Json header = Json::object();
+    bool again = false;  ///< it is another drone's event, whose further fields are in the request, too
+};
+Json to_json(const Put& put);
+Put put_from_json(const Json& object);
 
 /// Asks a drone for new values of some parameters.
 struct Set {
