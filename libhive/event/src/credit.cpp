@@ -45,7 +45,10 @@ void Credit::written(std::size_t bytes)
     bytes_in_lane_ -= std::min(bytes, bytes_in_lane_);
 }
 
-bool Credit::open(bool lossless) const { return (streaming_ && !lossless) || missing() > 0; }
+bool Credit::open(bool lossless) const
+{
+    return missing() > 0 || (streaming_ && !lossless && sent_ - progress_.done < most_unacknowledged);
+}
 
 std::int64_t Credit::missing() const { return full() ? 0 : progress_.asked - sent_; }
 

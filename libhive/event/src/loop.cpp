@@ -229,6 +229,8 @@ try {
     task();
 } catch (const std::exception& error) {
     on_thrown(error.what());
+} catch (...) {
+    on_thrown("no std::exception");
 }
 
 bool Loop::run_one() noexcept
@@ -237,6 +239,9 @@ try {
     return context_.run_one() > 0;
 } catch (const std::exception& error) {
     on_thrown(error.what());
+    return true;
+} catch (...) {
+    on_thrown("no std::exception");
     return true;
 }
 

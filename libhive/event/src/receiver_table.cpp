@@ -1,6 +1,7 @@
 // Attaches, replaces and detaches receivers.
 #include <hive/event/receiver_table.hpp>
 
+#include <hive/name.hpp>
 #include <hive/platform/process.hpp>
 
 #include <algorithm>
@@ -12,7 +13,7 @@ namespace {
 
 bool is_of(const std::string& receiver, const std::string& drone)
 {
-    return receiver == drone || receiver.starts_with(drone + ".");
+    return receiver == drone || is_port_of(receiver, drone);
 }
 
 bool takes_bodies(const Newcomer& newcomer) { return newcomer.options.delivery == Delivery::data; }
@@ -327,16 +328,19 @@ void ReceiverTable::forget_gone()
         oldest->second();
 }
 
-/// Forgets the group without members for longest that is not awaited, if there are too many.
+/// Stops waiting for the group that has been awaited for longest, if there are too many, and forgets the one that has
+/// been without members for longest of those that are not awaited.
 void ReceiverTable::forget_empty_groups(Decisions& decisions)
 {
-    std::map<std::uint64_t, std::string> empty;
+    std::map<std::uint64_t, std::string> empty, awaited;
     for (auto& [name, group] : groups_) {
-        if (group.subscription.attached() || group.subscription.awaited())
+        if (group.subscription.attached())
             continue;
         group.emptied = group.emptied != 0 ? group.emptied : ++order_;
-        empty.emplace(group.emptied, name);
+        (group.subscription.awaited() ? awaited : empty).emplace(group.emptied, name);
     }
+    if (awaited.size() > max_awaited)
+        groups_.at(awaited.begin()->second).subscription.cancel(decisions);
     for (auto oldest = empty.begin(); empty.size() > max_empty_groups; oldest = empty.erase(oldest)) {
         groups_.at(oldest->second).subscription.give_up(decisions);
         groups_.erase(oldest->second);
@@ -450,8 +454,10 @@ std::size_t ReceiverTable::forget(const std::string& drone, Decisions& decisions
         }
     for (auto& [name, group] : groups_) {
         for (auto& [receiver, member] : group.members)
-            if (is_of(receiver, drone) && member.kept.away)
+            if (is_of(receiver, drone) && member.kept.away) {
                 member.kept.away->since -= Subscription::kept_for;  // the next tick forgets it
+                forgotten += group.subscription.awaited() ? 0 : 1;
+            }
         if (group.subscription.awaited()
             && std::ranges::any_of(group.lost, [&](const std::string& name_of) { return is_of(name_of, drone); })) {
             group.subscription.cancel(decisions);

@@ -284,6 +284,21 @@ TEST_CASE("kept place: forgetting a drone lets go all places of its inputs, and 
     CHECK(world.forget("face-2") == 0);
 }
 
+TEST_CASE("kept place: a drone whose name begins like another's is another drone")
+{
+    World world;
+    world.add(1, "cam.image", window(1));
+    world.add(2, "cam.1.image", window(1));
+    world.offer(1, true);
+    CHECK(world.table.registered("cam") == std::vector<ReceiverId>{1});
+    CHECK(world.table.registered("cam.1") == std::vector<ReceiverId>{2});
+    for (const ReceiverId id : {1, 2})
+        world.lose(id, Fate::lost_cut_off);
+    CHECK(world.forget("cam") == 1);
+    CHECK(world.row("cam.1.image").events.in_flight() == 1);
+    CHECK(world.forget("cam.1") == 1);
+}
+
 TEST_CASE("kept place: its account stays when another receiver of the same name leaves")
 {
     World world;
@@ -335,6 +350,33 @@ TEST_CASE("awaited group: its account stays as long as the group does, however m
     world.offer(1, true);
     world.ask(1, {2, 1, 1});
     CHECK(world.row("group workers").events.of(Fate::acknowledged) == 1);
+}
+
+TEST_CASE("awaited group: of more than 256, the one that was lost first is waited for no longer")
+{
+    World world;
+    auto options = sharing();
+    for (ReceiverId id = 1; id <= 257; ++id) {
+        options.group = "group-" + std::to_string(id);
+        world.add(id, "face-" + std::to_string(id) + ".image", options);
+        world.offer(static_cast<std::int64_t>(id), true);
+        world.lose(id, Fate::lost_killed);
+    }
+    CHECK(world.forget("face-1") == 0);
+    CHECK(world.forget("face-2") == 1);
+    CHECK(world.forget("face-257") == 1);
+}
+
+TEST_CASE("awaited group: a member that is away is forgotten, and counted, although others are there")
+{
+    World world;
+    world.add(1, "face-1.image", sharing());
+    world.add(2, "face-2.image", sharing());
+    world.offer(1, true);
+    world.lose(1, Fate::lost_cut_off);
+    CHECK(world.forget("face-1") == 1);
+    world.pass(20ms);
+    CHECK(world.forget("face-1") == 0);
 }
 
 TEST_CASE("awaited group: forgetting one of the drones that were lost lets it go, and what waited is given up")

@@ -202,6 +202,19 @@ TEST_CASE("one consumer: who works on everything and acknowledges nothing gets 2
     }
 }
 
+TEST_CASE("one consumer: who acknowledges nothing of a live stream gets 65,536 events, and then others are dropped")
+{
+    OneConsumer one(streaming());
+    for (std::int64_t i = 1; i <= Credit::most_unacknowledged + 10; ++i)
+        one.offer(i);
+    CHECK(std::ssize(one.told) == Credit::most_unacknowledged);
+    CHECK(one.subscription.why() == Reason::not_acknowledged);
+    const auto waiting = one.subscription.waiting();
+    CHECK(waiting + one.ledger().of(Fate::dropped) == 10);
+    CHECK(std::ssize(one.ask({.asked = 0, .worked = 100, .done = 100})) == waiting);
+    CHECK(balanced(one.ledger()));
+}
+
 TEST_CASE("one consumer: an event of a source on demand is never replaced by a newer one")
 {
     OneConsumer one(window(1));

@@ -67,7 +67,7 @@ public:
 
     static constexpr std::size_t max_empty_groups = 16;  ///< remembered, with their turns and waiting events
     static constexpr std::size_t max_gone = 64;          ///< receivers that left or were lost, whose counts are kept
-    static constexpr std::size_t max_awaited = 256;      ///< of them, those for which the source waits
+    static constexpr std::size_t max_awaited = 256;      ///< receivers, and groups, for which the source waits
 
     struct Row {
         Id id;  ///< 0: a group, or a receiver without a current registration

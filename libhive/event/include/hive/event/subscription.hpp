@@ -24,11 +24,12 @@
 //
 // The three departures of a consumer (detach):
 //   left   it deregistered and has acknowledged all that it will. If it was the last, what is left ends.
-// lost its connection ended; it may have processed its deliveries. It may return within 30 s, report how much it
-// received, and resume there. Shared: its jobs are requeued meanwhile, and the first answer counts. If it does not
-// resume, it may have answered, so such a job (`in_doubt`) is not reported as failed as long as another consumer may
-// attach.
-// died as lost, and the job that it was processing has failed once: after three failures a job is not dispatched again.
+//   lost   its connection ended; it may have processed its deliveries. It may return within 30 s, report how much it
+//          received, and resume there. Shared: its jobs are requeued meanwhile, and the first answer counts. If it does
+//          not resume, it may have answered, so such a job (`in_doubt`) is not reported as failed as long as another
+//          consumer may attach.
+//   died   as lost, and the job that it was processing has failed once: after three failures a job is not dispatched
+//   again.
 //
 // Pure logic: the caller holds the loop and passes in time and events; each call appends its decisions to `Decisions`.
 // Only the time of a loss is read from the wall clock, for people.
