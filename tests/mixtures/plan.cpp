@@ -244,12 +244,20 @@ private:
 Plan make_plan(std::uint64_t seed, int steps, const std::set<std::string>& faults)
 {
     Random random(seed);
-    Plan plan{.seed = seed, .topology = make_topology(random), .steps = {}, .faults = faults};
+    Plan plan{.seed = seed, .size = steps, .topology = make_topology(random), .steps = {}, .faults = faults};
     plan.topology.fails = faults.contains(fault::fail);
     if (faults.contains(fault::bodies) && random.chance(60))
         plan.topology.stages.front().options.encoding = half_encoding;
     plan.steps = Planner(plan, random).steps(steps);
     return plan;
+}
+
+std::string options_of(const Plan& plan)
+{
+    std::string options = "--seed " + std::to_string(plan.seed) + " --steps " + std::to_string(plan.size);
+    for (const auto& fault : plan.faults)
+        options += " --with " + fault;
+    return options;
 }
 
 }  // namespace hive::mixtures

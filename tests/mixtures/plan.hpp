@@ -128,6 +128,7 @@ inline const std::string silence = "silence";          ///< for a time, one dron
 
 struct Plan {
     std::uint64_t seed = 0;
+    int size = 0;  ///< about how many steps were asked for
     Topology topology;
     std::vector<Step> steps;
     std::set<std::string> faults = {};
@@ -135,6 +136,8 @@ struct Plan {
 
 /// A round of about `steps` steps, and those that mend at the end whatever is broken.
 Plan make_plan(std::uint64_t seed, int steps, const std::set<std::string>& faults = {});
+/// The options that make this plan again: "--seed 17 --steps 14 --with part".
+std::string options_of(const Plan& plan);
 std::string to_text(const Topology& topology);
 std::string to_text(const Step& step);
 

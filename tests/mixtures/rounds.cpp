@@ -72,11 +72,7 @@ int play_rounds(const Options& options, const std::string& program, const Play& 
         if (played.problems.empty())
             continue;
         ++failed;
-        std::cout << played.picture << "\n  to play it again: " << program << " --seed " << plan.seed << " --steps "
-                  << options.steps;
-        for (const auto& fault : options.faults)
-            std::cout << " --with " << fault;
-        std::cout << std::endl;
+        std::cout << played.picture << "\n  to play it again: " << program << " " << options_of(plan) << std::endl;
         if (options.shrink)
             print_shrunk(plan, played, play);
         if (!options.go_on && has(played.problems, options.until))

@@ -10,7 +10,7 @@
 namespace hive::simulation {
 namespace {
 
-std::array<char, 100> text;
+std::array<char, 400> text;
 
 void die(int signal)
 {
@@ -27,17 +27,17 @@ void install()
     struct sigaction action {};
     action.sa_handler = die;
     action.sa_flags = SA_ONSTACK | static_cast<int>(SA_RESETHAND);
-    for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGABRT})
+    for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGABRT, SIGALRM, SIGTERM})
         ::sigaction(signal, &action, nullptr);
 }
 
 }  // namespace
 
-void say_in_a_crash(std::uint64_t seed)
+void say_in_a_crash(const std::string& options)
 {
     [[maybe_unused]] static const bool installed = (install(), true);
-    std::snprintf(text.data(), text.size(), "crashed; to play it again: scripts/simulate --trace --seed %llu\n",
-                  static_cast<unsigned long long>(seed));
+    std::snprintf(text.data(), text.size(), "ended by a signal; to play it again: scripts/simulate --trace %s\n",
+                  options.c_str());
 }
 
 }  // namespace hive::simulation

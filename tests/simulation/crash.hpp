@@ -1,11 +1,11 @@
-// Prints the current seed when the process crashes.
+// Prints how to replay the current round when the process crashes.
 #pragma once
 
-#include <cstdint>
+#include <string>
 
 namespace hive::simulation {
 
-/// From now on a crash or a terminate prints how to replay this seed.
-void say_in_a_crash(std::uint64_t seed);
+/// From now on a crash, a terminate, SIGALRM or SIGTERM prints the options that replay this round.
+void say_in_a_crash(const std::string& options);
 
 }  // namespace hive::simulation

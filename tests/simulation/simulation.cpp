@@ -53,7 +53,7 @@ void enter_empty_home()
 Played play(const mixtures::Plan& plan, bool trace)
 {
     enter_empty_home();
-    say_in_a_crash(plan.seed);
+    say_in_a_crash(mixtures::options_of(plan));
     const Trace printed(trace);
     Played played;
     bool done = false;

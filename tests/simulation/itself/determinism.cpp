@@ -7,9 +7,9 @@ using namespace hive;
 
 namespace {
 
-std::uint64_t digest_of(std::uint64_t seed)
+std::uint64_t digest_of(std::uint64_t seed, const std::set<std::string>& faults = {})
 {
-    const auto played = simulation::play(mixtures::make_plan(seed, 8));
+    const auto played = simulation::play(mixtures::make_plan(seed, 8, faults));
     CHECK(played.handlers > 100);
     return played.digest;
 }
@@ -25,4 +25,18 @@ TEST_CASE("the same seed gives the same history, alone and after others; another
         CHECK(once_more == first);
         CHECK(other != first);
     }
+}
+
+TEST_CASE("the same seed gives the same history with every fault")
+{
+    using namespace mixtures;
+    for (const auto& fault :
+         {fault::bodies, fault::clocks, fault::clock_step, fault::connect_all, fault::crash_point, fault::ends,
+          fault::fail, fault::forget, fault::lie, fault::part, fault::replace, fault::silence})
+        for (std::uint64_t seed = 1; seed <= 2; ++seed) {
+            CAPTURE(fault);
+            const auto first = digest_of(seed, {fault});
+            digest_of(seed + 1000, {fault});
+            CHECK(digest_of(seed, {fault}) == first);
+        }
 }
