@@ -5,6 +5,8 @@
 #include "words/places.hpp"
 #include "words/targets.hpp"
 
+#include <hive/name.hpp>
+
 #include <algorithm>
 
 namespace hivectl::connections_verb {

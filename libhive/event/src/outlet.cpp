@@ -1,5 +1,6 @@
 // Carries out the decisions of the receiver table.
 #include <hive/event/outlet.hpp>
+#include <hive/name.hpp>
 #include <hive/platform/process.hpp>
 #include <hive/protocol/defended.hpp>
 

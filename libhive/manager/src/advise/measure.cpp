@@ -2,6 +2,7 @@
 #include "measure.hpp"
 
 #include "../directory.hpp"
+#include <hive/name.hpp>
 
 #include <algorithm>
 #include <set>
