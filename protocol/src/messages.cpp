@@ -53,7 +53,7 @@ Registration registration_from_json(const Json& object)
     Registration registration{.id = fields.integer("id", 0, max_json_integer),
                               .epoch = fields.integer("epoch", 0, max_json_integer),
                               .output = fields.name("output"),
-                              .receiver = receiver_name(fields),
+                              .receiver = receiver_name(fields, "register"),
                               .accepts = fields.text_or("accepts", "*/*"),
                               .stateful = fields.flag_or("stateful", false),
                               .options = fields.has("options") ? connection_options(fields.object("options"))

@@ -9,13 +9,13 @@
 namespace hive::protocol {
 
 /// "face" or "face.image": displayed, and used as a name in tables.
-inline std::string receiver_name(const Fields& fields)
+inline std::string receiver_name(const Fields& fields, const std::string& message)
 {
     auto text = fields.text("receiver");
     const auto dot = text.rfind('.');
     const bool both = dot != std::string::npos && is_name(text.substr(0, dot)) && is_name(text.substr(dot + 1));
     if (!both && !is_name(text))
-        throw Error(Errc::malformed, "\"receiver\" must be a name, or two joined by a point");
+        throw Error(Errc::malformed, message + ": \"receiver\" must be a name, or two joined by a point");
     return text;
 }
 

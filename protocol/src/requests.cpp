@@ -106,7 +106,7 @@ Json to_json(const Forget& forget)
 Forget forget_from_json(const Json& object)
 {
     const Fields fields(object, "forget");
-    return {.output = fields.name_or("output", ""), .receiver = receiver_name(fields)};
+    return {.output = fields.name_or("output", ""), .receiver = receiver_name(fields, "forget")};
 }
 
 }  // namespace hive::protocol

@@ -47,7 +47,7 @@ void Credit::written(std::size_t bytes)
 
 bool Credit::open(bool lossless) const
 {
-    return missing() > 0 || (streaming_ && !lossless && sent_ - progress_.done < most_unacknowledged);
+    return missing() > 0 || (streaming_ && !lossless && sent_ - progress_.worked < most_unprocessed);
 }
 
 std::int64_t Credit::missing() const { return full() ? 0 : progress_.asked - sent_; }

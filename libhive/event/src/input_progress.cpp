@@ -100,7 +100,8 @@ bool InputProgress::urgent(std::int64_t worked, bool more, bool waits) const
         return true;
     if (options_.transfer == Transfer::streaming)
         return (done_ > told_.done || worked > told_.worked || more)
-               && (told_.done < prompt_until_ || worked - told_.worked >= most_unreported);
+               && (told_.done < prompt_until_
+                   || std::max(worked - told_.worked, done_ - told_.done) >= most_unreported);
     return more || (worked > told_.worked && !options_.group.empty()) || (done_ > told_.done && !waits);
 }
 

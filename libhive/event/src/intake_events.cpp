@@ -92,10 +92,10 @@ void Intake::on_packet(const protocol::Packet& packet)
     note_end(std::nullopt);
     Event event = event_from_packet(packet);
     require_own(event);
+    if (packet.type == PacketType::notification || link_->credentials().role == Role::viewer)
+        event.identity.lossless = false;  // it may be skipped, so what comes of it is held for nobody
     if (!progress_.allows(event.identity.lossless))
         throw Error(Errc::malformed, spec_.sender + "." + spec_.output + " sent more events than it may");
-    if (packet.type == PacketType::notification)
-        event.identity.lossless = false;  // it may be skipped, so what comes of it is held for nobody
     ++received_;
     const auto offset = event.identity.offset_us + link_->peer_clock().offset_us();
     event.identity.offset_us = std::clamp(offset, -max_json_integer, max_json_integer);  // both are a peer's word
@@ -104,6 +104,8 @@ void Intake::on_packet(const protocol::Packet& packet)
     const bool refused = refuses_now();
     unacknowledged_ = unacknowledged_ || (refused && spec_.options.group.empty() && event.identity.lossless);
     event.ticket = unacknowledged_ ? ticket(no_generation, 0) : ticket(progress_.generation(), note_share(event));
+    if (event.identity.lossless && progress_.has_late_news())
+        flush();  // if this event ends the drone, the sender must not take an earlier one for the cause
     if (refused)
         conclude(event, Ending::discarded);
     else

@@ -328,6 +328,12 @@ void ReceiverTable::forget_gone()
         oldest->second();
 }
 
+void ReceiverTable::stop_waiting(Group& group, Decisions& decisions)
+{
+    group.subscription.cancel(decisions);
+    group.lost.clear();
+}
+
 /// Stops waiting for the group that has been awaited for longest, if there are too many, and forgets the one that has
 /// been without members for longest of those that are not awaited.
 void ReceiverTable::forget_empty_groups(Decisions& decisions)
@@ -339,8 +345,8 @@ void ReceiverTable::forget_empty_groups(Decisions& decisions)
         group.emptied = group.emptied != 0 ? group.emptied : ++order_;
         (group.subscription.awaited() ? awaited : empty).emplace(group.emptied, name);
     }
-    if (awaited.size() > max_awaited)
-        groups_.at(awaited.begin()->second).subscription.cancel(decisions);
+    for (auto oldest = awaited.begin(); awaited.size() > max_awaited; oldest = awaited.erase(oldest))
+        stop_waiting(groups_.at(oldest->second), decisions);
     for (auto oldest = empty.begin(); empty.size() > max_empty_groups; oldest = empty.erase(oldest)) {
         groups_.at(oldest->second).subscription.give_up(decisions);
         groups_.erase(oldest->second);
@@ -453,15 +459,16 @@ std::size_t ReceiverTable::forget(const std::string& drone, Decisions& decisions
             plain.subscription.cancel(decisions);
         }
     for (auto& [name, group] : groups_) {
+        const bool ends =
+            group.subscription.awaited()
+            && std::ranges::any_of(group.lost, [&](const std::string& name_of) { return is_of(name_of, drone); });
         for (auto& [receiver, member] : group.members)
             if (is_of(receiver, drone) && member.kept.away) {
                 member.kept.away->since -= Subscription::kept_for;  // the next tick forgets it
-                forgotten += group.subscription.awaited() ? 0 : 1;
+                forgotten += ends ? 0 : 1;
             }
-        if (group.subscription.awaited()
-            && std::ranges::any_of(group.lost, [&](const std::string& name_of) { return is_of(name_of, drone); })) {
-            group.subscription.cancel(decisions);
-            group.lost.clear();
+        if (ends) {
+            stop_waiting(group, decisions);
             ++forgotten;
         }
     }

@@ -150,6 +150,7 @@ TEST_CASE("input progress: a stream reports live events late, or after 16 of the
 
     CHECK(process(true));
     CHECK_FALSE(process(false));
+    CHECK(input.has_late_news());
     const auto results_wait = input.receive(true, 0);
     input.heard(input.generation(), results_wait, true, false, false);
     const auto processed = input.news(true);

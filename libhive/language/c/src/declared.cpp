@@ -50,7 +50,7 @@ void require_types(const std::string& port, std::string_view types)
 
 void require_input(const Interface& declared, const std::string& name, const std::string& types)
 {
-    const std::string port = "input " + require_name(name, "port");
+    const std::string port = "input " + require_port_name(name, "input");
     if (declared.input(name))
         refuse_twice(port);
     require_types(port, types);
@@ -58,7 +58,7 @@ void require_input(const Interface& declared, const std::string& name, const std
 
 void require_output(const Interface& declared, const std::string& name, const std::string& types)
 {
-    const std::string port = "output " + require_name(name, "port");
+    const std::string port = "output " + require_port_name(name, "output");
     if (declared.output(name))
         refuse_twice(port);
     require_types(port, types);

@@ -25,8 +25,9 @@ public:
     static constexpr std::int64_t most_streamed = 64;
     /// Unacknowledged deliveries beyond the window (or beyond most_streamed), whose results may be in transit.
     static constexpr std::int64_t most_under_way = 256;
-    /// Unacknowledged deliveries of a stream; beyond that live events wait, too.
-    static constexpr std::int64_t most_unacknowledged = 1 << 16;
+    /// Unprocessed deliveries of a stream; beyond that live events wait, too. Not unacknowledged ones: an author may
+    /// keep an event, which holds up the acknowledgements of all later ones.
+    static constexpr std::int64_t most_unprocessed = 1 << 16;
 
     explicit Credit(const ConnectionOptions& options, std::int64_t held = 0)
         : streaming_(options.transfer == Transfer::streaming)

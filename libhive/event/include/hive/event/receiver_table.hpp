@@ -194,6 +194,7 @@ private:
     [[nodiscard]] bool any(bool (Subscription::*like)() const) const;
     [[nodiscard]] bool waits() const;
     void forget_awaited();
+    void stop_waiting(Group& group, Decisions& decisions);
     void forget_gone();
     void forget_empty_groups(Decisions& decisions);
 
