@@ -44,7 +44,7 @@ std::string age_text(std::chrono::milliseconds age)
 std::string caption(const Origin& origin, std::chrono::system_clock::time_point now)
 {
     std::string text = origin.sender;
-    if (!origin.source.empty() && !hive::is_port_of(origin.sender, origin.source))
+    if (!origin.source.empty() && !hive::belongs_to(origin.sender, origin.source))
         text += " from " + origin.source;
     if (origin.rate > 0)
         text += "  " + one_digit(origin.rate) + " fps";

@@ -17,8 +17,7 @@ using namespace std::chrono_literals;
 bool concerns(const Row& row, const std::vector<std::string>& drones)
 {
     return std::ranges::any_of(drones, [&](const std::string& drone) {
-        const auto to = row.text("to");
-        return hive::is_port_of(row.text("from"), drone) || to == drone || hive::is_port_of(to, drone);
+        return hive::belongs_to(row.text("from"), drone) || hive::belongs_to(row.text("to"), drone);
     });
 }
 

@@ -42,9 +42,10 @@ std::string require_port_name(std::string_view text, std::string_view what)
     return require_name(text, what);
 }
 
-bool is_port_of(std::string_view text, std::string_view drone) noexcept
+bool belongs_to(std::string_view text, std::string_view drone) noexcept
 {
-    return text.size() > drone.size() + 1 && text.starts_with(drone) && text.rfind('.') == drone.size();
+    return text == drone
+           || (text.size() > drone.size() + 1 && text.starts_with(drone) && text.rfind('.') == drone.size());
 }
 
 Error no_such(const std::string& text, std::string_view name, const std::vector<std::string>& candidates,

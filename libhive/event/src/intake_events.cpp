@@ -93,7 +93,7 @@ void Intake::on_packet(const protocol::Packet& packet)
     Event event = event_from_packet(packet);
     require_own(event);
     if (packet.type == PacketType::notification || link_->credentials().role == Role::viewer)
-        event.identity.lossless = false;  // it may be skipped, so what comes of it is held for nobody
+        event.identity.lossless = false;  // the sender may skip it, so no result of it waits for a receiver
     if (!progress_.allows(event.identity.lossless))
         throw Error(Errc::malformed, spec_.sender + "." + spec_.output + " sent more events than it may");
     ++received_;
@@ -135,7 +135,7 @@ std::int64_t Intake::note_share(Event& event)
 {
     auto& shares = event.identity.shares;
     const auto before = std::find_if_not(shares.rbegin(), shares.rend(), [&](const Share& share) {
-        return is_port_of(std::string_view(share.of).substr(0, share.of.find('#')), spec_.sender);
+        return belongs_to(std::string_view(share.of).substr(0, share.of.find('#')), spec_.sender);
     });
     of_member_ = before != shares.rend() && before->group();
     const bool lossless = event.identity.lossless;
@@ -174,11 +174,11 @@ void Intake::flush(bool late)
     if (!connected_)
         return;
     tell(progress_.news(!stopped() && module_.paused() == Reason::none, late));
-    if (late || !progress_.has_late_news() || std::exchange(reports_, true))
+    if (late || !progress_.has_late_news() || std::exchange(report_due_, true))
         return;
     report_timer_.run_after(late_report, [weak = weak_from_this()] {
         if (const auto self = weak.lock()) {
-            self->reports_ = false;
+            self->report_due_ = false;
             self->flush(true);
         }
     });

@@ -77,7 +77,7 @@ void Outlet::require_fit(const Link& link, const protocol::Registration& registr
         throw Error(Errc::refused,
                     registration.receiver + " keeps state between events, so it must see every one: it cannot share");
     const auto& name = link.peer().name;
-    if (registration.receiver != name && !is_port_of(registration.receiver, name))
+    if (!belongs_to(registration.receiver, name))
         throw Error(Errc::not_permitted, name + " may not receive as " + in_quotes(registration.receiver));
     (void)choice(link, registration);
     require_few_encodings(link, registration);

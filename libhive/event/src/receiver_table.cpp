@@ -11,11 +11,6 @@
 namespace hive::event {
 namespace {
 
-bool is_of(const std::string& receiver, const std::string& drone)
-{
-    return receiver == drone || is_port_of(receiver, drone);
-}
-
 bool takes_bodies(const Newcomer& newcomer) { return newcomer.options.delivery == Delivery::data; }
 
 /// Random, from 1 to 2^52, so that no other receiver can guess it.
@@ -443,7 +438,7 @@ std::vector<ReceiverTable::Id> ReceiverTable::registered(const std::string& dron
 {
     std::vector<Id> ids;
     for (const auto& [id, seat] : seats_)
-        if (is_of(seat.receiver, drone))
+        if (belongs_to(seat.receiver, drone))
             ids.push_back(id);
     return ids;
 }
@@ -452,18 +447,18 @@ std::size_t ReceiverTable::forget(const std::string& drone, Decisions& decisions
 {
     std::size_t forgotten = 0;
     for (Plain& plain : plain_)
-        if (plain.subscription.awaited() && is_of(plain.receiver, drone)) {
+        if (plain.subscription.awaited() && belongs_to(plain.receiver, drone)) {
             plain.subscription.cancel(decisions);
             ++forgotten;
-        } else if (plain.subscription.missing() && is_of(plain.receiver, drone)) {
+        } else if (plain.subscription.missing() && belongs_to(plain.receiver, drone)) {
             plain.subscription.cancel(decisions);
         }
     for (auto& [name, group] : groups_) {
         const bool ends =
             group.subscription.awaited()
-            && std::ranges::any_of(group.lost, [&](const std::string& name_of) { return is_of(name_of, drone); });
+            && std::ranges::any_of(group.lost, [&](const std::string& name_of) { return belongs_to(name_of, drone); });
         for (auto& [receiver, member] : group.members)
-            if (is_of(receiver, drone) && member.kept.away) {
+            if (belongs_to(receiver, drone) && member.kept.away) {
                 member.kept.away->since -= Subscription::kept_for;  // the next tick forgets it
                 forgotten += ends ? 0 : 1;
             }

@@ -18,8 +18,8 @@ std::string require_name(std::string_view text, std::string_view what);
 
 /// The same for the name of a port, which has no point: "camera.1.image" is the port "image" of "camera.1".
 std::string require_port_name(std::string_view text, std::string_view what);
-/// Is this text `DRONE.PORT`?
-bool is_port_of(std::string_view text, std::string_view drone) noexcept;
+/// Is this text the drone, or `DRONE.PORT`?
+bool belongs_to(std::string_view text, std::string_view drone) noexcept;
 
 /// Shell-style match with `*` and `?`; the whole text must match.
 bool matches_glob(std::string_view pattern, std::string_view text) noexcept;

@@ -152,6 +152,9 @@ TEST_CASE("input progress: a stream reports live events late, or after 16 of the
     CHECK_FALSE(process(false));
     CHECK(input.has_late_news());
     const auto results_wait = input.receive(true, 0);
+    const auto before_it = input.news(true);
+    REQUIRE(before_it);
+    CHECK(before_it->worked == 20);
     input.heard(input.generation(), results_wait, true, false, false);
     const auto processed = input.news(true);
     REQUIRE(processed);

@@ -196,7 +196,7 @@ void add_sender(Stage& stage, const Status& before, const Status& now, const Ste
     for (const auto& output : now.outputs)
         for (const auto& row : output.edges)
             if (row.connected && output.name == parse_endpoint(step.from).port
-                && is_port_of(row.receiver, drone_of(member)))
+                && belongs_to(row.receiver, drone_of(member)))
                 stage.encoding = row.encoding;
     if (!stage.encoding.empty() && stage.encoding != "raw")
         stage.encode_us = ratio(static_cast<double>(now.encoding_us - before.encoding_us), encoded);

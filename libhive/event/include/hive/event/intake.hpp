@@ -152,7 +152,7 @@ private:
     std::optional<Clock::time_point> lost_;  ///< since when it has been disconnected
     std::int64_t round_trip_us_ = 0;         ///< of the connection that was lost
     platform::Timer timer_, report_timer_;
-    bool reports_ = false;  ///< a late report is due
+    bool report_due_ = false;  ///< a late report is due
     LinkPtr link_;
     std::uint16_t channel_ = 0;
     Stage stage_ = Stage::taking;

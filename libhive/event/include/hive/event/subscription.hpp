@@ -28,8 +28,7 @@
 //          received, and resume there. Shared: its jobs are requeued meanwhile, and the first answer counts. If it does
 //          not resume, it may have answered, so such a job (`in_doubt`) is not reported as failed as long as another
 //          consumer may attach.
-//   died   as lost, and the job that it was processing has failed once: after three failures a job is not dispatched
-//   again.
+//   died   as lost, and the job that it was processing has failed once: after three failures no consumer gets it.
 //
 // Pure logic: the caller holds the loop and passes in time and events; each call appends its decisions to `Decisions`.
 // Only the time of a loss is read from the wall clock, for people.
