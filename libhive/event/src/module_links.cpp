@@ -156,10 +156,10 @@ void Module::request(const transport::Address& address, PacketType type, Json he
               });
 }
 
-/// A hello with the name of a connected drone and a larger epoch comes from its next run, or from another drone of that
-/// name. The connection of an earlier run ends by itself, at the latest after the inactivity timeout; another drone
-/// answers a ping. Requests of the new drone wait for either. Names of applications are not unique, and those of
-/// viewers are not trusted.
+/// A hello with the name of a connected drone and a larger epoch comes from its next run, perhaps as another kind, or
+/// from another drone of that name. The connection of an earlier run ends by itself, at the latest after the inactivity
+/// timeout; another drone answers a ping. Requests of the new drone wait for either. Names of applications are not
+/// unique, and those of viewers are not trusted.
 void Module::await_earlier_run(const LinkPtr& link)
 {
     const auto& peer = link->peer();
@@ -168,8 +168,7 @@ void Module::await_earlier_run(const LinkPtr& link)
     const auto [begin, end] = of_drones_.equal_range(peer.name);
     std::vector<LinkPtr> earlier;
     for (auto row = begin; row != end; ++row)
-        if (const auto& other = row->second;
-            other->open() && other->peer().kind == peer.kind && other->peer().epoch < peer.epoch)
+        if (const auto& other = row->second; other->open() && other->peer().epoch < peer.epoch)
             earlier.push_back(other);
     of_drones_.emplace(peer.name, link);
     if (link->credentials().role != Role::viewer)
