@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import atexit
+import contextlib
 import ctypes
 import json
 import os
@@ -119,18 +120,39 @@ def _error() -> Error:
 _raised: list[BaseException] = []  # by signal handlers, which run on the main thread
 
 
+def _on_main_thread() -> bool:
+    return threading.current_thread() is threading.main_thread()
+
+
 def _check(code: int, _function: Any, _arguments: Any) -> int:
-    if _raised and threading.current_thread() is threading.main_thread():
+    if _raised and _on_main_thread():
         raise _raised.pop()
     if code != 0:
         raise _error()
     return code
 
 
-def forget_raised() -> None:
-    """After a call that went on when a signal had come: of several signals, one is raised."""
-    if threading.current_thread() is threading.main_thread():
-        _raised.clear()
+@contextlib.contextmanager
+def keeping_raised() -> Generator[None, None, None]:
+    """For a call that calls back: a signal can raise at the first or last instruction of a callback, outside of its
+    try, and Python would only print that."""
+    if not _on_main_thread():
+        yield
+        return
+    print_it = sys.unraisablehook
+
+    def keep(what: Any) -> None:
+        if _on_main_thread() and what.exc_value and "ctypes callback" in (what.err_msg or ""):
+            _raised.append(what.exc_value)
+        else:
+            print_it(what)
+
+    sys.unraisablehook = keep
+    try:
+        yield
+    finally:
+        sys.unraisablehook = print_it
+        _raised.clear()  # of several, one is raised
 
 
 def _declare(line: str) -> None:
@@ -159,18 +181,15 @@ lib: Any = _library
 def _looks_at_signals() -> Generator[int, None, None]:
     """Each look lets Python run the handlers of signals that have come.  What they raise is kept for the call that
     waits, which is told to wait no longer.  A generator, because it is inside of its try whenever it goes on."""
-    answer = 0
     while True:
         try:
-            yield answer
-            answer = 0
+            yield 1 if _raised else 0
         except GeneratorExit:
             return
         except BaseException as raised:
             trace = raised.__traceback__  # without this frame: who clears those of a traceback would end the looking
             _raised.append(raised.with_traceback(trace and trace.tb_next))
             del trace
-            answer = 1
 
 
 def _see_signals() -> Any:
@@ -182,7 +201,7 @@ def _see_signals() -> Any:
     return look
 
 
-_look = _see_signals() if threading.current_thread() is threading.main_thread() else None
+_look = _see_signals() if _on_main_thread() else None
 
 
 def text_of(text: Optional[bytes]) -> str:

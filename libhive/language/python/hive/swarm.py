@@ -199,13 +199,12 @@ class Swarm(Owner, Closing):
             return _kept(left, tell, _library.text_of(text))
 
         try:
-            lib.hive_swarm_stay(self._opened(), _library.told_callback(hear), None)
+            with _library.keeping_raised():
+                lib.hive_swarm_stay(self._opened(), _library.told_callback(hear), None)
         except Error:
             if left:
                 raise left[0] from None
             raise
-        finally:
-            _library.forget_raised()
 
     def export(self, form: str, *, programs: str = "", image: str = "") -> list[ExportedFile]:
         """Writes it for a service manager; each drone's command line alone restores its parameters and connections.
@@ -247,13 +246,12 @@ class Swarm(Owner, Closing):
         place, length = ctypes.c_void_p(), ctypes.c_size_t()
         places = ctypes.byref(place), ctypes.byref(length)
         try:
-            function(self._opened(), milliseconds(timeout), call, None, *places)
+            with _library.keeping_raised():
+                function(self._opened(), milliseconds(timeout), call, None, *places)
         except BaseException as interruption:
             if not place.value:
                 raise
             left.append(interruption)
-        finally:
-            _library.forget_raised()
         outcome = json.loads(_library.take_text(place, length.value) or "{}")
         problem = _problem(outcome)
         if left:
