@@ -1,5 +1,6 @@
-// Many random steps of which each must leave the promises kept. A failure names the seed; HIVE_TEST_SEED=... walks the
-// same way again, HIVE_TEST_STEPS=... a longer one.
+// Many random steps of which each must leave the promises kept. A failure names the seed, and the steps that are left
+// when those are left out without which it fails as well. HIVE_TEST_SEED=... walks the same way again, with
+// HIVE_TEST_KEPT="3 17" only these steps of it, with HIVE_TEST_STEPS=... a longer way.
 #pragma once
 
 #include "fixtures.hpp"
@@ -8,18 +9,22 @@
 
 #include <array>
 #include <cstdlib>
+#include <numeric>
 #include <random>
+#include <sstream>
 #include <stdexcept>
 
 namespace hive::event::random {
 
 class Dice {
 public:
-    explicit Dice(std::uint64_t seed) : engine_(seed) {}
+    explicit Dice(std::uint64_t seed) : seed_(seed), state_(seed) {}
+    /// What a step throws does not depend on the steps before it.
+    void begin(std::uint64_t step) { state_ = seed_ ^ (step * 0xd1342543de82ef95); }
     /// From `least` to `most`, each as likely.
     std::int64_t between(std::int64_t least, std::int64_t most)
     {
-        return least + static_cast<std::int64_t>(engine_() % static_cast<std::uint64_t>(most - least + 1));
+        return least + static_cast<std::int64_t>(thrown() % static_cast<std::uint64_t>(most - least + 1));
     }
     /// Yes, `percent` times of a hundred.
     bool yes(int percent) { return between(1, 100) <= percent; }
@@ -31,7 +36,16 @@ public:
     }
 
 private:
-    std::mt19937_64 engine_;
+    /// SplitMix64, which begins anew in no time.
+    std::uint64_t thrown()
+    {
+        auto mixed = state_ += 0x9e3779b97f4a7c15;
+        mixed = (mixed ^ (mixed >> 30)) * 0xbf58476d1ce4e5b9;
+        mixed = (mixed ^ (mixed >> 27)) * 0x94d049bb133111eb;
+        return mixed ^ (mixed >> 31);
+    }
+
+    std::uint64_t seed_, state_;
 };
 
 /// A promise: when it is broken the walk ends.
@@ -47,21 +61,78 @@ inline std::uint64_t number_from(const char* variable, std::uint64_t otherwise)
     return text ? std::strtoull(text, nullptr, 10) : otherwise;
 }
 
-/// Takes `steps` random steps in a world made by `make`, which has step() and check().
+struct Broken {
+    std::uint64_t step;
+    std::string promise;
+};
+using Steps = std::vector<std::uint64_t>;
+
 template <class Make>
-void walk(std::uint64_t steps, Make make)
+std::optional<Broken> walked(std::uint64_t seed, const Steps& steps, Make make)
 {
-    const auto seed = number_from("HIVE_TEST_SEED", std::random_device()());
     Dice dice(seed);
     auto world = make(dice);
-    MESSAGE("HIVE_TEST_SEED=", seed);
-    for (std::uint64_t step = 1; step <= number_from("HIVE_TEST_STEPS", steps); ++step)
+    for (const auto step : steps)
         try {
+            dice.begin(step);
             world.step();
             world.check();
         } catch (const std::logic_error& broken) {
-            FAIL("HIVE_TEST_SEED=", seed, ": in step ", step, ": ", std::string(broken.what()));
+            return Broken{step, broken.what()};
         }
+    return std::nullopt;
+}
+
+/// Leaves out steps as long as the same promise is broken.
+template <class Make>
+Steps shrunk(std::uint64_t seed, Steps steps, const Broken& broken, Make make)
+{
+    const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+    steps.erase(std::ranges::upper_bound(steps, broken.step), steps.end());
+    for (auto size = std::ssize(steps) / 2; size > 0;) {
+        const auto before = std::ssize(steps);
+        for (std::ptrdiff_t at = 0; at < std::ssize(steps) && std::chrono::steady_clock::now() < until;) {
+            Steps fewer = steps;
+            fewer.erase(fewer.begin() + at, fewer.begin() + std::min(at + size, std::ssize(fewer)));
+            const auto again = walked(seed, fewer, make);
+            if (!again || again->promise != broken.promise) {
+                at += size;
+                continue;
+            }
+            fewer.erase(std::ranges::upper_bound(fewer, again->step), fewer.end());
+            steps = std::move(fewer);
+        }
+        if (size > 1 || std::ssize(steps) == before)
+            size /= 2;
+    }
+    return steps;
+}
+
+inline std::string text_of(const Steps& steps)
+{
+    std::ostringstream text;
+    for (const auto step : steps)
+        text << step << " ";
+    return text.str();
+}
+
+/// Takes `count` random steps in a world made by `make`, which has step() and check().
+template <class Make>
+void walk(std::uint64_t count, Make make)
+{
+    const auto seed = number_from("HIVE_TEST_SEED", std::random_device()());
+    MESSAGE("HIVE_TEST_SEED=", seed);
+    if (const char* kept = std::getenv("HIVE_TEST_KEPT")) {
+        std::istringstream text(kept);
+        const auto broken = walked(seed, {std::istream_iterator<std::uint64_t>(text), {}}, make);
+        REQUIRE_MESSAGE(!broken, "in step ", broken->step, ": ", broken->promise);
+        return;
+    }
+    Steps steps(number_from("HIVE_TEST_STEPS", count));
+    std::iota(steps.begin(), steps.end(), 1);
+    if (const auto broken = walked(seed, steps, make))
+        FAIL("HIVE_TEST_SEED=", seed, ": in step ", broken->step, ": ", broken->promise,
+             "; also with HIVE_TEST_KEPT=\"", text_of(shrunk(seed, steps, *broken, make)), "\"");
 }
 
 /// Most are small, some fill the lane, few are larger than all queues.
