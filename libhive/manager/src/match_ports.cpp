@@ -4,8 +4,6 @@
 namespace hive {
 namespace {
 
-using Pair = std::pair<const Port*, const Port*>;
-
 std::vector<const Port*> ports_of(const std::vector<Port>& ports, const Endpoint& end, const char* what)
 {
     if (!end.port.empty())
@@ -18,7 +16,7 @@ std::vector<const Port*> ports_of(const std::vector<Port>& ports, const Endpoint
     return all;
 }
 
-std::string listed_pairs(const Endpoint& sender, const Endpoint& receiver, const std::vector<Pair>& pairs)
+std::string listed_pairs(const Endpoint& sender, const Endpoint& receiver, const std::vector<PortPair>& pairs)
 {
     std::string text;
     for (const auto& [output, input] : pairs)
@@ -37,21 +35,27 @@ std::string types_of(const std::vector<const Port*>& ports)
 
 }  // namespace
 
-std::pair<const Port*, const Port*> match_ports(const Endpoint& sender, const Interface& from, const Endpoint& receiver,
-                                                const Interface& to)
+std::vector<PortPair> fitting_ports(const Endpoint& sender, const Interface& from, const Endpoint& receiver,
+                                    const Interface& to)
 {
-    const auto outputs = ports_of(from.outputs, sender, "output"), inputs = ports_of(to.inputs, receiver, "input");
-    std::vector<Pair> pairs;
-    for (const auto* output : outputs)
-        for (const auto* input : inputs)
+    std::vector<PortPair> pairs;
+    for (const auto* output : ports_of(from.outputs, sender, "output"))
+        for (const auto* input : ports_of(to.inputs, receiver, "input"))
             if (types_fit(output->type, input->type))
                 pairs.emplace_back(output, input);
+    return pairs;
+}
+
+PortPair match_ports(const Endpoint& sender, const Interface& from, const Endpoint& receiver, const Interface& to)
+{
+    const auto pairs = fitting_ports(sender, from, receiver, to);
     if (pairs.size() == 1)
         return pairs.front();
     if (pairs.size() > 1)
         throw Error(Errc::invalid_argument,
                     "several outputs of " + sender.drone + " and inputs of " + receiver.drone + " fit",
                     "say which: " + listed_pairs(sender, receiver, pairs));
+    const auto outputs = ports_of(from.outputs, sender, "output"), inputs = ports_of(to.inputs, receiver, "input");
     if (outputs.size() == 1 && inputs.size() == 1)
         throw Error(Errc::type_mismatch, sender.drone + "." + outputs[0]->name + " is " + outputs[0]->type + ", but "
                                              + receiver.drone + "." + inputs[0]->name + " takes " + inputs[0]->type);

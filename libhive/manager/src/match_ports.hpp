@@ -4,13 +4,18 @@
 #include <hive/application.hpp>
 
 #include <utility>
+#include <vector>
 
 namespace hive {
 
+using PortPair = std::pair<const Port*, const Port*>;  ///< an output and an input
+
+/// All pairs whose types fit. Throws Errc::not_found if a named port does not exist, or if there is none.
+std::vector<PortPair> fitting_ports(const Endpoint& sender, const Interface& from, const Endpoint& receiver,
+                                    const Interface& to);
 /// The only matching pair of an output and an input. Throws Errc::not_found if a named port does not exist,
 /// Errc::type_mismatch if no pair matches, Errc::invalid_argument if several do.
-std::pair<const Port*, const Port*> match_ports(const Endpoint& sender, const Interface& from, const Endpoint& receiver,
-                                                const Interface& to);
+PortPair match_ports(const Endpoint& sender, const Interface& from, const Endpoint& receiver, const Interface& to);
 
 /// Refuses to share work with a stateful drone.
 Error sharing_refused(const std::string& drone);

@@ -139,7 +139,7 @@ IntakeSpec Wiring::intake_spec(const protocol::Connect& connect) const
 std::shared_ptr<Intake> Wiring::add_intake(IntakeSpec spec)
 {
     const auto own = std::make_shared<std::weak_ptr<Intake>>();
-    const auto changed = [this, own, said = std::make_shared<std::string>()] {
+    const auto changed = [this, own, said = std::make_shared<Said>()] {
         if (const auto intake = own->lock(); intake && !intake->stopped())
             say(*intake, *said);
         pass_end_on();
@@ -153,7 +153,7 @@ std::shared_ptr<Intake> Wiring::add_intake(IntakeSpec spec)
 
 /// Logs each error once, until it changes. A refused connection is retried, since the sender may be restarted as
 /// another drone.
-void Wiring::say(const Intake& intake, std::string& said) const
+void Wiring::say(const Intake& intake, Said& said) const
 {
     const auto ends = ends_of(intake.spec());
     const auto line = [&]() -> std::pair<LogLevel, std::string> {
@@ -161,15 +161,15 @@ void Wiring::say(const Intake& intake, std::string& said) const
             return {LogLevel::debug, "connected " + ends};
         if (const auto refusal = intake.refusal())
             return {LogLevel::warning, "refused " + ends + ": " + refusal->what()};
-        if (!said.starts_with("connected"))
-            return {LogLevel::info, said};
+        if (!said.connected)
+            return {LogLevel::info, said.line};
         if (intake.ended())  // the sender has ended
             return {LogLevel::debug, "closed " + ends};
         return {LogLevel::warning, "lost " + ends + "; reconnecting"};
     }();
-    if (line.second != said)
+    if (line.second != said.line)
         module_.log_about(line.first, intake.spec().sender, line.second);
-    said = line.second;
+    said = {line.second, intake.connected()};
 }
 
 void Wiring::connect(IntakeSpec spec, event::Clock::time_point until, event::OnOutcome on_outcome)

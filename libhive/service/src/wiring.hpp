@@ -36,7 +36,11 @@ private:
     std::shared_ptr<event::Intake> add_intake(event::IntakeSpec spec);
     void connect(event::IntakeSpec spec, event::Clock::time_point until, event::OnOutcome on_outcome);
     void begin(event::IntakeSpec spec);
-    void say(const event::Intake& intake, std::string& said) const;
+    struct Said {  ///< last, about an intake
+        std::string line;
+        bool connected = false;
+    };
+    void say(const event::Intake& intake, Said& said) const;
     [[nodiscard]] std::vector<std::shared_ptr<event::Intake>> earlier_ones(const event::IntakeSpec& spec) const;
     void replace_earlier(const std::shared_ptr<event::Intake>& intake, const event::Outcome& outcome);
     void pass_end_on();

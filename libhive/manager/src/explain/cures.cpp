@@ -212,8 +212,8 @@ std::optional<Cause> unconnected_pair(Application& application, const Endpoint& 
         return std::nullopt;
     const auto receives = [](const StatusAnswer& to, const StatusAnswer& from, const std::string& port) {
         return std::ranges::any_of(to.status.inputs, [&](const InputStatus& input) {
-            return parse_endpoint(input.from).drone == from.status.name
-                   && (port.empty() || input.from.ends_with("." + port));
+            const auto output = parse_endpoint(input.from);
+            return output.drone == from.status.name && (port.empty() || output.port == port);
         });
     };
     if (receives(answers[1], answers[0], sender.port))
@@ -235,10 +235,10 @@ std::optional<Cause> unconnected_pair(Application& application, const Endpoint& 
                                     std::string(error.what()) + "; the other way round they fit", turned)
                        : pair_cause(What::wrong_types, receiver, error.what(),
                                     "hivectl describe " + sender.drone + " " + receiver.drone);
-        // "say which: camera.image face.image, or ..."
-        const auto first = error.advice().substr(error.advice().find(": ") + 2);
+        const auto [output, input] = fitting_ports(sender, from, receiver, to).front();  // the first of several
         return pair_cause(What::not_connected, receiver, sender.drone + " is not connected to " + receiver.drone,
-                          "hivectl connect " + first.substr(0, first.find(',')));
+                          "hivectl connect " + to_text(Endpoint{sender.drone, output->name}) + " "
+                              + to_text(Endpoint{receiver.drone, input->name}));
     }
     return pair_cause(What::not_connected, receiver, sender.drone + " is not connected to " + receiver.drone,
                       "hivectl connect " + pair);

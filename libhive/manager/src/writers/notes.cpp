@@ -48,14 +48,19 @@ std::string lack_of(const SwarmDrone& drone, const std::string& thing, std::stri
     return there + ", seen from " + (form == "systemd" ? "the user's home directory" : "where the script is called");
 }
 
+/// Does another engine start it?
+bool left_out(const SwarmPlan& plan, const SwarmDrone& drone, std::string_view form)
+{
+    const auto under_slurm = [&](const SwarmDrone& one) { return plan.engine_of(one.host).name == "slurm"; };
+    return form == "slurm" && !under_slurm(drone) && std::ranges::any_of(plan.drones, under_slurm);
+}
+
 /// What the file says about the drone and the form does not do, one clause each.
 std::vector<std::string> lost_of(const SwarmPlan& plan, const SwarmDrone& drone, std::string_view form)
 {
     std::vector<std::string> lost;
-    const auto engine = plan.engine_of(drone.host).name;
-    if (form == "slurm" && engine != "slurm"
-        && std::ranges::any_of(plan.drones, [&](const auto& one) { return plan.engine_of(one.host).name == "slurm"; }))
-        lost.push_back("left out: the engine " + engine + " starts it on "
+    if (left_out(plan, drone, form))
+        lost.push_back("left out: the engine " + plan.engine_of(drone.host).name + " starts it on "
                        + (drone.host == Place::here ? "this machine" : drone.host));
     if (form == "compose" && drone.host != Place::here)
         lost.push_back("runs on the machine of the containers, not on " + drone.host);
@@ -108,10 +113,9 @@ std::vector<std::string> export_notes(const SwarmPlan& plan, std::string_view fo
     const auto needed = needs_of(plan, options.interface_of);
     std::vector<Need> needs;
     for (const auto& drone : plan.drones) {
-        const auto lost = lost_of(plan, drone, form);
-        for (const auto& one : lost)
+        for (const auto& one : lost_of(plan, drone, form))
             add(needs, drone, "", one);
-        if (std::ranges::any_of(lost, [](const auto& one) { return one.starts_with("left out"); }))
+        if (left_out(plan, drone, form))
             continue;
         if (is_python_file(drone.kind))
             add(needs, drone, drone.kind, lack_of(drone, drone.kind, form));
