@@ -44,6 +44,15 @@ private:
     int listening_, filling_;
 };
 
+int received_from_liar(const Prey& prey)
+{
+    auto doctor = prey.meet("doctor");
+    for (const Json inputs = doctor.ask(raw::status).at("result").at("inputs"); const auto& row : inputs)
+        if (row.at("from") == "liar.image")
+            return row.value("received", 0);
+    return -1;
+}
+
 Json share(const Json& wrong)
 {
     Json share{{"of", "a.b"}, {"epoch", 1}, {"turn", 1}};
@@ -161,13 +170,7 @@ TEST_CASE("hostile sender: what is odd but no breach is ignored, and the connect
         raw::packet(raw::pong, 0, "")};
     for (const auto& bytes : odd)
         REQUIRE(liar.send(bytes));
-    const auto received = [&] {
-        auto doctor = pair.prey.meet("doctor");
-        for (const Json inputs = doctor.ask(raw::status).at("result").at("inputs"); const auto& row : inputs)
-            if (row.at("from") == "liar.image")
-                return row.value("received", 0);
-        return -1;
-    };
+    const auto received = [&] { return received_from_liar(pair.prey); };
     CHECK(received() == 0);
     REQUIRE(liar.send(
         pair.event(event_header({{"colour", "red"}, {"size", 999}}))));  // the twin: on its channel it is taken
@@ -199,6 +202,18 @@ TEST_CASE(
         CHECK(hive::test::resident_bytes(pair.prey.pid()) < memory + (12u << 20));
     CHECK(pair.prey.well());
     pair.check_camera();
+}
+
+TEST_CASE("honest sender: notifications of events that may not be lost are live, so they need no credit")
+{
+    Pair pair(Json{{"transfer", "stream"}, {"delivery", "notify"}});
+    auto& sender = pair.serve();
+    constexpr int count = 1000;
+    for (int i = 1; i <= count; ++i)
+        REQUIRE(sender.send(raw::packet(raw::notification, pair.channel,
+                                        event_header({{"lossless", true}, {"seq", i}, {"size", 9}}).dump())));
+    CHECK(hive::test::eventually([&] { return received_from_liar(pair.prey) == count; }, within(2000)));
+    CHECK_FALSE(sender.closed_within(Milliseconds(100)));
 }
 
 TEST_CASE("hostile sender: a storm over a stream is bounded by the queue, control is answered all the time")

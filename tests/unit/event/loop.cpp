@@ -48,12 +48,15 @@ TEST_CASE("loop: what a handler or a task throws is reported, and the next one r
     loop.on_thrown = [&](const std::string& what) { thrown.push_back(what); };
     bool ran = false;
     asio::post(loop.context(), [] { throw std::runtime_error("handler"); });
+    asio::post(loop.context(), [] { throw 1; });
     loop.post([] { throw std::runtime_error("posted"); });
+    loop.post([] { throw 2; });
     loop.post([&] { ran = true; });
     loop.serve();
     loop.perform([] { throw std::runtime_error("performed"); });
     CHECK(ran);
-    CHECK(thrown == std::vector<std::string>{"handler", "posted", "performed"});
+    CHECK(thrown
+          == std::vector<std::string>{"handler", "no std::exception", "posted", "no std::exception", "performed"});
     CHECK_FALSE(loop.has_turn());
     CHECK_THROWS_AS(loop.call([] { throw std::runtime_error("called"); }), std::runtime_error);
 }

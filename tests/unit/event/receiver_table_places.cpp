@@ -363,6 +363,8 @@ TEST_CASE("awaited group: of more than 256, the one that was lost first is waite
         world.lose(id, Fate::lost_killed);
     }
     CHECK(world.table.demand().wanted);
+    CHECK(world.add(1, "face-1.image", sharing(1)).empty());
+    CHECK(world.leave(1).empty());
     for (int id = 2; id <= 257; ++id)
         CHECK(world.forget("face-" + std::to_string(id)) == 1);
     CHECK_FALSE(world.table.demand().wanted);
