@@ -1,0 +1,222 @@
+// The running swarm matches its file: each option of a connection is changed, added and removed, one by one and in
+// pairs, while sources on demand run, which lose and repeat nothing.
+#include "worker_swarm.hpp"
+
+#include <doctest/doctest.h>
+#include <hive/connection_option.hpp>
+#include <hive/swarm_plan.hpp>
+
+#include <algorithm>
+#include <array>
+#include <mutex>
+#include <thread>
+
+using namespace hive::test;
+using namespace std::chrono_literals;
+using hive::Json;
+
+namespace {
+
+/// A value for each option of a connection, by its name; some need another option.
+const Json changes{{"share", {{"share", true}}},
+                   {"stream", {{"stream", true}}},
+                   {"notify", {{"notify", true}}},
+                   {"window", {{"window", 4}}},
+                   {"first_frame", {{"first_frame", true}}},
+                   {"group", {{"group", "g"}}},
+                   {"lease", {{"lease", 5}, {"group", "g"}}},
+                   {"encoding", {{"encoding", "png"}}}};
+
+bool is_allowed(const Json& change)
+{
+    return std::ranges::none_of(hive::connection_clashes(), [&](const hive::ConnectionClash& clash) {
+        return change.contains(clash.one) && change.contains(clash.other);
+    });
+}
+
+/// Each of them and none again, and each pair.
+/// @param encoded  only those with an encoding, which not all sources have; otherwise all others
+std::vector<Json> changes_of(bool encoded)
+{
+    std::vector<Json> all;
+    const auto add = [&](const Json& change) {
+        if (change.contains("encoding") == encoded && is_allowed(change) && std::ranges::find(all, change) == all.end())
+            all.push_back(change);
+    };
+    for (auto one = changes.begin(); one != changes.end(); ++one) {
+        add(*one);
+        for (auto other = std::next(one); !sanitized() && other != changes.end(); ++other) {
+            auto both = *one;
+            both.update(*other);
+            add(both);
+        }
+    }
+    return all;
+}
+
+/// Two receivers of one output, and two connections between one pair of drones: the first of each is changed.
+Json file_with(const Json& source, const Json& change = Json::object())
+{
+    Json first{{"from", "one"}, {"to", "a"}}, left{{"from", "two"}, {"to", "join.left"}};
+    first.update(change);
+    left.update(change);
+    return {{"swarm", "s"},
+            {"drones",
+             {{"one", source},
+              {"two", source},
+              {"a", {{"kind", "sleeper"}}},
+              {"b", {{"kind", "sleeper"}}},
+              {"join", {{"kind", "join"}}}}},
+            {"connections", {first, {{"from", "one"}, {"to", "b"}}, left, {{"from", "two"}, {"to", "join.right"}}}}};
+}
+
+/// The connections as both ends, hivectl connections and the export report them.
+Json told(const Swarm& swarm, hive::Application& application)
+{
+    Json inputs = Json::array(), edges = Json::array(), rows = Json::array();
+    for (const auto& answer : application.status(std::vector<std::string>{"a", "b", "join", "one", "two"})) {
+        for (const auto& input : answer.status.inputs)
+            inputs.push_back({answer.drone, input.input, input.from, input.connected, to_json(input.options)});
+        for (const auto& output : answer.status.outputs)
+            for (const auto& edge : output.edges)
+                if (edge.connected && !edge.group && !edge.receiver.starts_with("app-"))
+                    edges.push_back({answer.drone, edge.receiver, edge.encoding, to_json(edge.options)});
+    }
+    for (const auto& row : Json::parse(swarm.hivectl_done({"connections", "--json", "--timeout", "10"})))
+        if (row.at("state") == "connected" && row.at("known_by") == "both")
+            for (auto& to = rows.emplace_back();
+                 const auto* key : {"from", "to", "kind", "group", "transfer", "delivery", "window", "encoding"})
+                to[key] = row.at(key);
+    for (auto* list : {&inputs, &edges, &rows})
+        std::sort(list->begin(), list->end());
+    auto exported = hive::read_swarm(swarm.hivectl_done({"export"})).plan;
+    std::ranges::sort(exported.connections, {}, [](const auto& one) { return to_text(one.from) + to_text(one.to); });
+    return {{"inputs", inputs}, {"edges", edges}, {"connections", rows}, {"export", to_text(exported)}};
+}
+
+/// The same for a swarm that is started from this file.
+Json told_anew(const Json& content)
+{
+    const Swarm fresh;
+    const File file(fresh, content);
+    steps(fresh, file);
+    auto application = fresh.application();
+    return told(fresh, application);
+}
+
+/// Takes the results of a drone slowly, so that its source waits for them.
+class Results {
+public:
+    Results(const Swarm& swarm, const std::string& output)
+        : application_(swarm.application()), collector_(application_.collect({hive::parse_endpoint(output)}))
+    {
+    }
+
+    /// The number of the newest event.
+    [[nodiscard]] std::int64_t newest()
+    {
+        const std::lock_guard lock(mutex_);
+        return taken_.empty() ? 0 : taken_.rbegin()->first;
+    }
+    /// Those of the first events that gave no results, or not `each`, with their number.
+    [[nodiscard]] std::map<std::int64_t, int> wrong(std::int64_t events, int each)
+    {
+        const std::lock_guard lock(mutex_);
+        std::map<std::int64_t, int> counts;
+        for (std::int64_t event = 1; event <= events; ++event)
+            if (taken_[event] != each)
+                counts[event] = taken_[event];
+        return counts;
+    }
+
+private:
+    void take(const std::stop_token& stop)
+    {
+        for (; !stop.stop_requested(); std::this_thread::sleep_for(5ms))
+            if (const auto event = collector_->next(10ms)) {
+                const std::lock_guard lock(mutex_);
+                ++taken_[event->identity.sequence];
+            }
+    }
+
+    hive::Application application_;
+    std::unique_ptr<hive::Collector> collector_;
+    std::mutex mutex_;
+    std::map<std::int64_t, int> taken_;
+    std::jthread taker_{[this](const std::stop_token& stop) { take(stop); }};
+};
+
+/// A swarm of the file that is brought up with one change after the other.
+class Changing {
+public:
+    explicit Changing(Json source) : source_(std::move(source)) {}
+
+    /// Compares it with a swarm that is started from the changed file.
+    void bring_up(const Json& change)
+    {
+        CAPTURE(change.dump());
+        const auto content = file_with(source_, change);
+        if (!expected_.contains(change))
+            expected_[change] = told_anew(content);
+        file_.write(content);
+        const auto announced = swarm_.hivectl_done({"up", file_, "--dry-run"});
+        CHECK_EQ(swarm_.hivectl_done({"up", file_}, 60'000ms), announced);
+        CHECK_EQ(swarm_.hivectl_done({"up", file_}), "");
+        for (const auto& one : {&a_, &b_, &join_})
+            CHECK(eventually([&, before = one->newest()] { return one->newest() > before; }));
+        // A receiver that leaves a group finishes its work there.
+        const bool same =
+            happens_within(patient(3000ms), [&] { return told(swarm_, application_) == expected_[change]; });
+        CHECK_MESSAGE(same, Json::diff(told(swarm_, application_), expected_[change]).dump());
+    }
+    void check_no_event_is_lost()
+    {
+        const std::array<std::int64_t, 3> events{a_.newest(), b_.newest(), join_.newest()};
+        constexpr std::int64_t on_the_way = 200;  // of the newest events, to the other input and to this test
+        CHECK(eventually([&] { return join_.newest() > events[2] + on_the_way; }));
+        using None = std::map<std::int64_t, int>;
+        CHECK_EQ(Json(a_.wrong(events[0], 1)), Json(None()));
+        CHECK_EQ(Json(b_.wrong(events[1], 1)), Json(None()));
+        CHECK_EQ(Json(join_.wrong(events[2], 2)), Json(None()));
+    }
+
+private:
+    Json source_;
+    std::map<Json, Json> expected_;
+    Swarm swarm_;
+    File file_{swarm_, file_with(source_)};
+    std::vector<std::string> begun_ = steps(swarm_, file_);
+    hive::Application application_{swarm_.application()};
+    Results a_{swarm_, "a.result"}, b_{swarm_, "b.result"}, join_{swarm_, "join.counts"};
+};
+
+/// @param encoded  as changes_of()
+void bring_up_all(const Json& source, bool encoded)
+{
+    Changing swarm(source);
+    const auto bring_up = [&](bool notified) {
+        for (const auto& change : changes_of(encoded))
+            if (change.contains("notify") == notified) {
+                swarm.bring_up(change);
+                if (std::ranges::find(changes, change) != changes.end())
+                    swarm.bring_up(Json::object());
+            }
+    };
+    bring_up(false);
+    swarm.check_no_event_is_lost();
+    bring_up(true);  // no source waits for who is only notified
+}
+
+}  // namespace
+
+TEST_CASE("up: each option of a connection that a file changes runs as in a swarm that is started from the new file")
+{
+    for (const auto& option : hive::connection_option_table())
+        CHECK_MESSAGE(changes.contains(option.name), option.name, " is not tried");
+    bring_up_all({{"kind", "ticker"}, {"set", {{"pace", "demand"}}}}, false);
+}
+
+TEST_CASE("up: an encoding that a file changes, alone or with another option, runs as in a swarm that is started anew")
+{
+    bring_up_all({{"kind", "camera"}, {"set", {{"pace", "demand"}, {"width", 64}, {"height", 64}}}}, true);
+}
