@@ -107,8 +107,8 @@ Json told_anew(const Json& content)
 /// Takes the results of a drone slowly, so that its source waits for them.
 class Results {
 public:
-    Results(const Swarm& swarm, const std::string& output)
-        : application_(swarm.application()), collector_(application_.collect({hive::parse_endpoint(output)}))
+    Results(const Swarm& swarm, const std::vector<hive::Endpoint>& outputs)
+        : application_(swarm.application()), collector_(application_.collect(outputs))
     {
     }
 
@@ -187,7 +187,7 @@ private:
     File file_{swarm_, file_with(source_)};
     std::vector<std::string> begun_ = steps(swarm_, file_);
     hive::Application application_{swarm_.application()};
-    Results a_{swarm_, "a.result"}, b_{swarm_, "b.result"}, join_{swarm_, "join.counts"};
+    Results a_{swarm_, {{"a", "result"}}}, b_{swarm_, {{"b", "result"}}}, join_{swarm_, {{"join", "counts"}}};
 };
 
 /// @param encoded  as changes_of()
@@ -219,4 +219,45 @@ TEST_CASE("up: each option of a connection that a file changes runs as in a swar
 TEST_CASE("up: an encoding that a file changes, alone or with another option, runs as in a swarm that is started anew")
 {
     bring_up_all({{"kind", "camera"}, {"set", {{"pace", "demand"}, {"width", 64}, {"height", 64}}}}, true);
+}
+
+TEST_CASE("up: members that change their group, and are restarted meanwhile, lose and repeat nothing of a source on "
+          "demand")
+{
+    const auto content = [](const Json& change, const Json& restarted) {
+        auto file = file_with({{"kind", "ticker"}, {"set", {{"pace", "demand"}}}}, change);
+        file["connections"].erase(1);
+        file["connections"][0]["to"] = Json::array({"a", "b"});
+        for (const auto& drone : restarted)
+            file["drones"][drone.get<std::string>()]["log_level"] = "debug";
+        return file;
+    };
+    const Swarm swarm;
+    const File file(swarm, content({{"share", true}}, {}));
+    steps(swarm, file);
+    auto application = swarm.application();
+    Results members(swarm, {{"a", "result"}, {"b", "result"}}), join(swarm, {{"join", "counts"}});
+    const auto bring_up = [&](const Json& change, const Json& restarted) {
+        CAPTURE(change.dump());
+        const auto next = content(change, restarted);
+        file.write(next);
+        CHECK_FALSE(steps(swarm, file).empty());
+        CHECK(steps(swarm, file).empty());
+        const auto expected = told_anew(next);
+        CHECK(eventually([&] { return told(swarm, application) == expected; }));
+    };
+    const auto none = Json::array();
+    bring_up({{"group", "g"}}, none);
+    bring_up({{"group", "h"}, {"window", 4}}, {"a"});
+    bring_up({{"share", true}}, {"a", "b"});
+    bring_up({{"group", "g"}, {"lease", 5}}, {"b"});
+    const auto of_members = members.newest(), of_join = join.newest();
+    const auto passed = [](Results& results, std::int64_t event) {
+        return eventually([&] { return results.newest() > event + 200; });
+    };
+    CHECK(passed(members, of_members));
+    CHECK(passed(join, of_join));
+    CHECK_EQ(Json(members.wrong(of_members, 1)), Json(std::map<std::int64_t, int>()));
+    CHECK_EQ(Json(join.wrong(of_join, 2)), Json(std::map<std::int64_t, int>()));
+    bring_up({{"group", "h"}}, {"one", "two"});  // they begin again with the first event
 }
