@@ -21,7 +21,7 @@ struct SwarmInput {
 /// Declares --set.
 void declare_variables(CommandLine& line, SwarmInput& input);
 
-/// @param to_be_started  also checks the keys that its drones need here
+/// @param to_be_started  also checks the keys and addresses that its drones need here
 hive::SwarmReading swarm_reading(const SwarmInput& input, std::chrono::milliseconds limit, bool to_be_started = false);
 /// "doorway.json:3:14: text; advice", the form to which editors can jump.
 std::string mistake_text(const std::string& file, const hive::Mistake& mistake);

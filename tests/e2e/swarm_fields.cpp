@@ -5,6 +5,7 @@
 #include <doctest/doctest.h>
 #include <free_port.hpp>
 #include <hive/event/home.hpp>
+#include <mute_server.hpp>
 #include <possible.hpp>
 
 #include <algorithm>
@@ -164,7 +165,8 @@ TEST_CASE("up: a restart that fails is undone, with the parameters and connectio
     const File file(swarm, content);
     steps(swarm, file);
     const auto before = told(swarm);
-    content["drones"]["t"]["listen"] = "tcp://192.0.2.1";  // no machine has this address
+    const MuteServer other;
+    content["drones"]["t"]["listen"] = "tcp://127.0.0.1:" + other.port();
     content["drones"]["t"]["insecure"] = true;
     content["drones"]["t"].erase("set");
     content["connections"] = Json::array();

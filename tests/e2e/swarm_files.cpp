@@ -97,6 +97,21 @@ TEST_CASE("swarm files: one comes on stdin, and one that is not there is no mist
     CHECK_EQ(swarm.hivectl({"check", swarm.home().string()}).exit_code, 1);
 }
 
+TEST_CASE("swarm files: what up would refuse on this machine is found by check and up --dry-run")
+{
+    const Swarm swarm;
+    const auto file = written(swarm, "away.json", R"({"swarm": "s", "drones": {"a":
+  {"kind": "ticker", "listen": "tcp://192.0.2.1", "insecure": true}}})")
+                          .string();
+    for (const auto& words : {std::vector<std::string>{"check", file}, {"up", file, "--dry-run"}, {"up", file}}) {
+        const auto refused = swarm.hivectl(words, patient(15'000ms));
+        CHECK_EQ(refused.exit_code, words[0] == "check" ? 2 : 5);
+        CHECK_MESSAGE((refused.out + refused.err).find(":2:32: \"tcp://192.0.2.1\": this machine does not have this")
+                          != std::string::npos,
+                      refused.out, refused.err);
+    }
+}
+
 TEST_CASE("swarm files: a kind that is not here is a note for another machine, and programs that say nothing are not "
           "waited for")
 {

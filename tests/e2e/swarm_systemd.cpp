@@ -3,6 +3,7 @@
 #include "swarm.hpp"
 
 #include <doctest/doctest.h>
+#include <mute_server.hpp>
 
 #include <algorithm>
 #include <csignal>
@@ -215,11 +216,13 @@ TEST_CASE("up under systemd: what cannot run is said with the last lines of its 
 {
     const Systemd systemd;
     auto content = work();
-    content["drones"]["zlast"] = {{"kind", "ticker"}, {"listen", "tcp://192.0.2.1"}, {"insecure", true}};
+    const MuteServer other;
+    const auto taken = "tcp://127.0.0.1:" + other.port();
+    content["drones"]["zlast"] = {{"kind", "ticker"}, {"listen", taken}, {"insecure", true}};
     const auto refused = systemd.shell("hivectl up " + systemd.write(content));
     CHECK(refused.exit_code == 5);
     CHECK_MESSAGE(has(refused.err, "zlast ended with exit code"), refused.err);
-    CHECK_MESSAGE(has(refused.err, "192.0.2.1"), refused.err);
+    CHECK_MESSAGE(has(refused.err, taken), refused.err);
     CHECK(systemd.units().empty());
     CHECK(systemd.swarm.application().drones().empty());
 

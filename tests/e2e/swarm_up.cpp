@@ -7,6 +7,7 @@
 #include <doctest/doctest.h>
 #include <free_port.hpp>
 #include <hive/event/home.hpp>
+#include <mute_server.hpp>
 
 #include <algorithm>
 #include <csignal>
@@ -148,13 +149,15 @@ TEST_CASE("up: when the last drone does not start, nothing is left of the others
 {
     const Swarm swarm;
     auto content = workers_file(3);
-    content["drones"]["zlast"] = {{"kind", "ticker"}, {"listen", "tcp://192.0.2.1"}, {"insecure", true}};
+    const MuteServer other;
+    const auto taken = "tcp://127.0.0.1:" + other.port();
+    content["drones"]["zlast"] = {{"kind", "ticker"}, {"listen", taken}, {"insecure", true}};
     const File file(swarm, content);
     const auto refused = swarm.hivectl({"up", file}, 60'000ms);
     CHECK(refused.exit_code == 5);
     CHECK(refused.out.empty());
     CHECK_MESSAGE(has(refused.err, "zlast"), refused.err);
-    CHECK_MESSAGE(has(refused.err, "192.0.2.1"), refused.err);
+    CHECK_MESSAGE(has(refused.err, taken), refused.err);
     CHECK(has_processes(swarm, 0));
     CHECK(swarm.hivectl_done({"down"}).empty());
 }

@@ -268,6 +268,21 @@ std::unique_ptr<Listener> listen_tcp(asio::io_context& context, const Address& a
     return std::make_unique<SocketListener>(std::move(loop), std::move(bound));
 }
 
+bool is_of_this_machine(const Address& address)
+{
+    std::error_code error;
+    const auto number = asio::ip::make_address(address.host, error);
+    if (error)
+        return true;
+    asio::io_context context;
+    const Endpoint any_port(number, 0);
+    auto socket = open_socket(context, any_port.protocol().family());
+    return ::bind(socket.native_handle(), reinterpret_cast<const sockaddr*>(any_port.data()),
+                  static_cast<socklen_t>(any_port.size()))
+               == 0
+           || errno != EADDRNOTAVAIL;
+}
+
 void dial_tcp(asio::io_context& context, const Address& address, Milliseconds deadline, OnDialed on_dialed,
               const Timing& timing, const Security& security)
 {

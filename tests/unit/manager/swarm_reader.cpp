@@ -386,6 +386,21 @@ TEST_CASE("swarm file: a missing key file is found where a drone names it or nee
     unsetenv("HIVE_KEY");
 }
 
+TEST_CASE("swarm file: an address to listen at that this machine does not have")
+{
+    const auto drone = [](const std::string& listen, const std::string& more = "") {
+        return mistakes(
+            with("\"a\": {\"kind\": \"camera\", \"listen\": \"tcp://" + listen + "\", \"insecure\": true" + more + "}"),
+            known, {.to_be_started = true});
+    };
+    CHECK_EQ(drone("192.0.2.1:7700"),
+             "2:35: \"tcp://192.0.2.1:7700\": this machine does not have this address; for all "
+             "of its addresses: \"listen\": \"tcp://0.0.0.0\"\n");
+    for (const std::string own : {"127.0.0.1", "0.0.0.0", "0.0.0.0:7700", "[::]", "a-name-that-may-be-ours"})
+        CHECK_EQ(drone(own), "");
+    CHECK_EQ(drone("192.0.2.1", ", \"on\": \"m1\""), "");
+}
+
 TEST_CASE("swarm file: engines for machines that no drone is on")
 {
     CHECK_EQ(mistakes(with("\"a\": {\"kind\": \"k\", \"on\": \"cam1\"}", "\"engines\": {\"cma1\": {\"ssh\": \"x\"}}")),

@@ -2,6 +2,7 @@
 #include "reader.hpp"
 
 #include <hive/transport/key.hpp>
+#include <hive/transport/transport.hpp>
 
 #include <algorithm>
 
@@ -104,6 +105,15 @@ void Reader::check_free_ports()
                                          + (host == Place::here ? "this machine" : host) + " need a free port",
                                      "name ports for some: \"listen\": \"tcp://0.0.0.0:PORT\"");
             }
+}
+
+void Reader::check_own_addresses()
+{
+    for (const auto& entry : read_entries_)
+        if (entry.listening && starts_here(entry) && !transport::is_of_this_machine(*entry.listening))
+            mistakes_.at_value(entry.value.member("listen", *entry.value.place->member("listen")),
+                               in_quotes(entry.drone.listen) + ": this machine does not have this address",
+                               "for all of its addresses: \"listen\": \"tcp://0.0.0.0\"");
 }
 
 void Reader::check_keys()

@@ -88,8 +88,10 @@ SwarmReading read_swarm(std::string_view text, const InterfaceOfKind& interface_
     swarm_file::Reader reader(texts, interface_of);
     if (const auto file = swarm_file::assemble(text, context, texts, reader.mistakes())) {
         reader.read({&file->json.value, &file->json.place, ""}, file->complete);
-        if (context.to_be_started)
+        if (context.to_be_started) {
             reader.check_keys();
+            reader.check_own_addresses();
+        }
     }
     return reader.take();
 }

@@ -25,6 +25,8 @@ public:
     void read(const Value& file, bool complete);
     /// Finds key files missing on this machine: those named in the file, and those that drones need to listen.
     void check_keys();
+    /// Finds addresses to listen at that this machine does not have.
+    void check_own_addresses();
     SwarmReading take();
     [[nodiscard]] Mistakes& mistakes() noexcept { return mistakes_; }
 

@@ -29,6 +29,9 @@ using OnDialed = std::function<void(Result<std::shared_ptr<Connection>>)>;
 std::unique_ptr<Listener> listen(asio::io_context& context, const Address& address, OnConnection on_connection,
                                  Timing timing = {}, Security security = {});
 
+/// False: an address in numbers that this machine does not have, so that it cannot listen there.
+bool is_of_this_machine(const Address& address);
+
 /// The handler is called once, never before dial() returns, at the latest after `deadline`. Failure is
 /// Errc::unreachable or Errc::timeout with the address in the text; Errc::not_permitted when the two ends' keys do not
 /// match. Host names are looked up without blocking other work.
