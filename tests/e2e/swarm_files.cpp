@@ -110,6 +110,16 @@ TEST_CASE("swarm files: what up would refuse on this machine is found by check a
                           != std::string::npos,
                       refused.out, refused.err);
     }
+    const auto slurm = written(swarm, "slurm.json", R"({"swarm": "s", "drones": {"a": {"kind": "ticker", "on": "n1"}},
+  "engines": {"n1": {"slurm": {}}}})")
+                           .string();
+    CHECK_EQ(swarm.hivectl({"check", slurm}, patient(15'000ms)).exit_code, 0);  // it may be meant for an allocation
+    for (const std::string how : {" --dry-run", ""}) {
+        const auto refused =
+            swarm.run({"/bin/sh", "-c", "unset SLURM_JOB_ID; hivectl up " + slurm + how}, patient(15'000ms));
+        CHECK_EQ(refused.exit_code, 5);
+        CHECK_MESSAGE(refused.err.find("the drones on n1 need a Slurm allocation") != std::string::npos, refused.err);
+    }
 }
 
 TEST_CASE("swarm files: a kind that is not here is a note for another machine, and programs that say nothing are not "

@@ -101,6 +101,16 @@ TEST_CASE("up under slurm: a killed up leaves what the next one finds, and one t
     CHECK(refused.exit_code == 5);
     CHECK_MESSAGE(has(refused.err, "/no/such/key"), refused.err);
     CHECK(eventually([&] { return lab.steps() == all; }, 10'000ms));
+
+    content = shared_work();
+    content["drones"]["worker"]["log_level"] = "debug";
+    write(lab, content);
+    for (const std::string how : {" --dry-run", ""}) {
+        const auto restart = lab.shell("unset SLURM_JOB_ID; hivectl up " + file + how);
+        CHECK(restart.exit_code == 5);
+        CHECK_MESSAGE(has(restart.err, "need a Slurm allocation"), restart.err);
+        CHECK(lab.steps() == all);  // a drone that cannot be restarted from there is not stopped
+    }
     CHECK(lines_of(lab.shell_done("hivectl down")) == 5);
     CHECK(eventually([&] { return lab.steps().empty() && lab.processes() == 0; }, 10'000ms));
     const auto outside = lab.swarm().hivectl({"up", file});

@@ -55,7 +55,8 @@ public:
     Swarm(Application& application, SwarmPlan plan);
 
     /// What up() would do now. Throws Errc::name_taken if a name of the plan belongs to a drone of another kind or
-    /// machine, unless this swarm had that drone before; Errc::unreachable if the state of a drone cannot be queried.
+    /// machine, unless this swarm had that drone before; Errc::unreachable if the state of a drone cannot be queried;
+    /// Errc::refused if an engine cannot start a drone from here.
     /// @param watch  is notified of each drone that is used unchanged, see up()
     std::vector<SwarmStep> differences(const SwarmWatch& watch = {});
     /// Starts missing drones and waits until they answer, restarts drones if only a new process can match the plan,

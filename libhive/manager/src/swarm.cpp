@@ -71,6 +71,17 @@ void append(std::vector<SwarmFailure>& all, std::vector<SwarmFailure> more)
     std::ranges::move(more, std::back_inserter(all));
 }
 
+/// Throws if a drone cannot be started from here, before anything is changed.
+void require_engines(Application& application, const SwarmPlan& plan, const std::vector<SwarmStep>& steps)
+{
+    std::set<std::string> hosts;
+    for (const auto& step : steps)
+        if (step.what == What::start || step.what == What::restart)
+            hosts.insert(plan.drone(step.drone)->host);
+    for (const auto& host : hosts)
+        make_engine(plan.engine_of(host), host, application.home())->require_usable();
+}
+
 bool starts_elsewhere(const SwarmPlan& plan, const std::vector<SwarmStep>& steps)
 {
     return std::ranges::any_of(drones_of(steps, What::start),
@@ -131,8 +142,11 @@ std::vector<SwarmPlan> Swarm::remembered(Application& application) { return swar
 
 std::vector<SwarmStep> Swarm::differences(const SwarmWatch& watch)
 {
-    return swarm::differences(application_, plan_, swarm::Record(application_.home(), plan_.name).read(), watch.told)
-        .steps;
+    auto steps =
+        swarm::differences(application_, plan_, swarm::Record(application_.home(), plan_.name).read(), watch.told)
+            .steps;
+    require_engines(application_, plan_, steps);
+    return steps;
 }
 
 SwarmOutcome Swarm::up(std::chrono::milliseconds timeout, const SwarmWatch& watch)
@@ -149,6 +163,7 @@ SwarmOutcome Swarm::up(std::chrono::milliseconds timeout, const SwarmWatch& watc
     swarm::Restarting restarting(application_, differences);
     swarm::Changes changes(application_);
     try {
+        require_engines(application_, plan_, outcome.steps);
         outcome.failures = starting.run(drones_of(outcome.steps, What::start), timeout, watch);
         if (outcome.failures.empty())
             outcome.failures = restarting.run(timeout, watch);

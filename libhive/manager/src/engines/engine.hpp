@@ -35,6 +35,8 @@ public:
     };
 
     virtual ~Engine() = default;
+    /// Throws if no drone can be started from here.
+    virtual void require_usable() const {}
     /// Queues these drones, to be ready by then; poll() starts them a few at a time.
     virtual void begin(std::vector<SwarmDrone> drones, Clock::time_point until)
     {
@@ -117,7 +119,7 @@ std::unique_ptr<Engine> make_local_engine(const std::filesystem::path& home,
 std::unique_ptr<Engine> make_systemd_engine(const std::filesystem::path& home);
 /// @param settings  {"options": [further ones of srun]}
 /// @param node      its name in Slurm
-/// Outside of an allocation begin() throws Errc::refused.
+/// Outside of an allocation require_usable() and begin() throw Errc::refused.
 std::unique_ptr<Engine> make_slurm_engine(const Json& settings, const std::string& node,
                                           const std::filesystem::path& home);
 /// The options of srun for what the drone needs. Steps without an amount of processors or graphics cards share what

@@ -50,6 +50,7 @@ public:
                 options_.push_back(option.get<std::string>());
     }
 
+    void require_usable() const override;
     void begin(std::vector<SwarmDrone> drones, Clock::time_point until) override;
     std::vector<Report> poll() override;
     [[nodiscard]] std::vector<int> descriptors() override;
@@ -94,11 +95,16 @@ std::string address_in(const std::string& text)
                : text.substr(begin + key.size(), text.find_first_of(" \n", begin) - begin - key.size());
 }
 
-void SlurmEngine::begin(std::vector<SwarmDrone> drones, Clock::time_point until)
+void SlurmEngine::require_usable() const
 {
     if (job_.empty())
         throw Error(Errc::refused, "the drones on " + node_ + " need a Slurm allocation, and this shell has none",
                     "run hivectl up inside salloc or an sbatch script");
+}
+
+void SlurmEngine::begin(std::vector<SwarmDrone> drones, Clock::time_point until)
+{
+    require_usable();
     Engine::begin(std::move(drones), until);
 }
 
