@@ -203,6 +203,14 @@ bool connected(const Statuses& statuses, const Edge& edge)
               });
 }
 
+std::int64_t collectors_of(const Statuses& statuses, const std::string& drone)
+{
+    const auto* output = output_of(statuses, drone);
+    return !output ? 0 : std::ranges::count_if(output->edges, [](const EdgeStatus& edge) {
+        return edge.connected && !edge.group && edge.receiver.find('.') == std::string::npos;
+    });
+}
+
 std::int64_t unheard(const Statuses& statuses)
 {
     std::int64_t count = 0;

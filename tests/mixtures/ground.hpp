@@ -3,6 +3,7 @@
 
 #include "model.hpp"
 #include "orders.hpp"
+#include "printed.hpp"
 #include "status_of.hpp"
 #include "values.hpp"
 
@@ -69,6 +70,11 @@ public:
     virtual CollectCounts collected() = 0;
     /// Does the collector know that nothing more comes, and what does it say about that?
     virtual std::optional<std::string> ended() { return std::nullopt; }
+
+    /// How many receive the results.
+    [[nodiscard]] virtual std::int64_t collectors() const { return 1; }
+    /// Ends the source: what a second collector has printed until then. Nothing: there is none.
+    virtual std::optional<Printed> end_source() { return std::nullopt; }
 
     /// Promises that the ground itself has seen broken since the last call.
     virtual std::vector<std::string> complaints() { return {}; }

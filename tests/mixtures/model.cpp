@@ -10,8 +10,8 @@
 //   - A plain drone is disconnected or stopped by order: what it has not answered, and what is produced until it is
 //     connected again.
 //   - The last member of a group leaves a worker by order: nobody is left who receives that worker.
-//   - A sender starts anew, and two or more plain drones receive it: it does not know them before they have come back,
-//     so what it sends meanwhile reaches only those that have.
+//   - A sender starts anew, and two or more plain drones or collectors receive it: it does not know them before they
+//     have come back, so what it sends meanwhile reaches only those that have.
 //   - A drone whose code throws starts anew: exceptions wait for nobody, and who hears them has to come back first.
 //   - Two machines are parted, or a drone is dead meanwhile, for so long that a place may be given up.
 //
@@ -75,7 +75,8 @@ Outcome outcome_of(const Event& event, bool failed)
     return outcome;
 }
 
-Model::Model(const Topology& topology) : topology_(topology), condition_(topology)
+Model::Model(const Topology& topology, std::int64_t collectors)
+    : topology_(topology), condition_(topology), collectors_(collectors)
 {
     excuse_receivers_of(source);  // they are connected one after the other
 }
@@ -165,8 +166,13 @@ void Model::left(const std::string& sender, const std::string& receiver, bool an
 void Model::excuse_receivers_of(const std::string& drone)
 {
     const auto next = drone == source ? 0 : topology_.stage_of(drone) + 1;
-    if (drone == watcher || next >= topology_.stages.size())
+    if (drone == watcher)
         return;
+    if (next >= topology_.stages.size()) {
+        if (collectors_ > 1)
+            excuse(topology_.stages.back().shared() ? "" : drone);
+        return;
+    }
     const auto& stage = topology_.stages[next];
     if (!stage.shared() && stage.drones.size() > 1)
         std::ranges::for_each(stage.drones, [this](auto& receiver) { excuse(receiver); });
@@ -270,6 +276,22 @@ std::vector<std::string> Model::missing(std::int64_t epoch, std::int64_t produce
         }
     }
     return missing;
+}
+
+std::int64_t Model::results_owed(std::int64_t epoch, std::int64_t sequence) const
+{
+    const auto found = came_.find({epoch, sequence});
+    if (found == came_.end())
+        return 0;
+    return std::ranges::count_if(
+        found->second, [&](auto& came) { return !came.outcome.failed && !is_excused(came.way, epoch, sequence); });
+}
+
+bool Model::any_failed() const
+{
+    return std::ranges::any_of(came_, [](const auto& event) {
+        return std::ranges::any_of(event.second, [](auto& came) { return came.outcome.failed; });
+    });
 }
 
 std::int64_t Model::failed_early() const

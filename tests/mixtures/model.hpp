@@ -24,7 +24,8 @@ Outcome outcome_of(const Event& event, bool failed);
 
 class Model {
 public:
-    explicit Model(const Topology& topology);
+    /// @param collectors  of the results
+    explicit Model(const Topology& topology, std::int64_t collectors = 1);
 
     /// To be called before a step is done: an order may end what was promised.
     void before(const Step& step);
@@ -41,6 +42,12 @@ public:
     std::optional<std::string> came(const Outcome& outcome);
     /// Of a source on demand at rest: what has not come, of the events that it has produced in this epoch.
     [[nodiscard]] std::vector<std::string> missing(std::int64_t epoch, std::int64_t produced) const;
+    /// At most, of an event.
+    [[nodiscard]] std::int64_t max_results() const { return std::ssize(ways()); }
+    /// Those that have come of this event, and that any other collector must have got.
+    [[nodiscard]] std::int64_t results_owed(std::int64_t epoch, std::int64_t sequence) const;
+    /// Has any exception come?
+    [[nodiscard]] bool any_failed() const;
     /// How many exceptions came of drones before the last stage.
     [[nodiscard]] std::int64_t failed_early() const;
     /// Was anything excused so far, or has a drone begun anew after it was stopped, whose exceptions wait for nobody?
@@ -73,6 +80,7 @@ private:
 
     Topology topology_;
     Condition condition_;
+    std::int64_t collectors_;
     std::vector<Excuse> excuses_;
     bool began_anew_ = false;          ///< some drone did
     std::set<std::string> cut_short_;  ///< drones that may have given up events and not acknowledged them

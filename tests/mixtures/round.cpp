@@ -8,13 +8,14 @@ namespace hive::mixtures {
 
 Round::Round(Plan plan, Ground& ground)
     : plan_(std::move(plan)),
-      model_(plan_.topology),
+      model_(plan_.topology, ground.collectors()),
       ground_(ground),
       window_(plan_.topology.demand),
       pace_(ground.pace()),
       sizes_(plan_.topology,
              std::ssize(plan_.steps)
-                 * static_cast<int>(plan_.faults.contains(fault::lie) || plan_.faults.contains(fault::ends)),
+                     * static_cast<int>(plan_.faults.contains(fault::lie) || plan_.faults.contains(fault::ends))
+                 + ground.collectors() - 1,
              ground_.max_places()),
       waits_(plan_.topology.demand),
       idle_(ground.pace())
@@ -36,8 +37,25 @@ Played Round::play()
             return played;
         }
     }
-    played.problems = ground_.end();
+    played.problems = wrongly_printed();
+    if (!played.problems.empty())
+        played.picture = picture(ground_.statuses());
+    std::ranges::move(ground_.end(), std::back_inserter(played.problems));
     return played;
+}
+
+Problems Round::wrongly_printed()
+{
+    const auto printed = ground_.end_source();
+    if (!printed)
+        return {};
+    listen();
+    const auto status = ground_.statuses().at(source);
+    return mixtures::wrongly_printed(*printed, model_,
+                                     {.epoch = status.epoch,
+                                      .produced = status.outputs.at(0).produced,
+                                      .lossless = plan_.topology.demand,
+                                      .first = ground_.born().at(source) == 0});
 }
 
 Problems Round::one(const Step& step, bool last)

@@ -35,13 +35,19 @@ std::size_t held_here()
 
 }  // namespace
 
-Running::Running(const Topology& topology) : topology_(topology)
+Running::Running(const Topology& topology, const Extras& extras) : topology_(topology)
 {
     for (const auto& drone : topology_.drones()) {
         start(drone, false);
         born_[drone] = 0;
     }
     collecting_.emplace(swarm_, topology_);
+    if (!extras.command)
+        return;
+    command_.emplace(swarm_, topology_);
+    const auto collected = [&](const std::string& drone) { return collectors_of(statuses(), drone) == collectors(); };
+    if (!test::eventually([&] { return std::ranges::all_of(topology_.stages.back().drones, collected); }))
+        throw std::runtime_error("hivectl results does not connect:\n" + swarm_.log("results"));
 }
 
 void Running::at_once(const std::function<void()>& one, const std::function<void()>& other)
@@ -138,9 +144,19 @@ Settings Running::settings() { return settings_of(application_, answering()); }
 
 std::int64_t Running::count() { return application_.get(source, {"count"}).at("count"); }
 
+std::optional<Printed> Running::end_source()
+{
+    if (!command_)
+        return std::nullopt;
+    application_.set(source, {{"ends", true}});
+    auto printed = command_->exited(longest_settling());
+    command_.reset();
+    return printed;
+}
+
 std::vector<std::string> Running::fallen()
 {
-    std::vector<std::string> fallen;
+    auto fallen = command_ ? command_->fallen() : std::vector<std::string>{};
     for (auto& [drone, process] : processes_)
         if (!killed_.contains(drone))
             if (const auto code = process.wait(0ms))
@@ -168,9 +184,10 @@ std::vector<std::string> Running::end()
 Played play(const Plan& plan)
 {
     const auto held = held_here();
+    const auto extras = make_extras(plan.seed);
     Played played;
     try {
-        Running running(plan.topology);
+        Running running(plan.topology, extras);
         played = Round(plan, running).play();
     } catch (const std::exception& error) {
         played.problems = {std::string("the round did not begin or end: ") + error.what()};
@@ -178,6 +195,7 @@ Played play(const Plan& plan)
     if (!test::eventually([&] { return held_here() <= held; }))
         played.problems.push_back("descriptors or shared memory are left: " + std::to_string(held_here()) + ", before "
                                   + std::to_string(held));
+    played.picture = "beside the plan:" + to_text(extras) + "\n" + played.picture;
     return played;
 }
 

@@ -2,6 +2,8 @@
 #pragma once
 
 #include "collecting.hpp"
+#include "command.hpp"
+#include "extras.hpp"
 #include "round.hpp"
 
 #include <swarm.hpp>
@@ -13,7 +15,7 @@ namespace hive::mixtures {
 class Running final : public Ground {
 public:
     /// Starts all drones, and connects none.
-    explicit Running(const Topology& topology);
+    Running(const Topology& topology, const Extras& extras);
 
     [[nodiscard]] Clock::time_point now() const override { return Clock::now(); }
     void sleep(std::chrono::microseconds time) override { std::this_thread::sleep_for(time); }
@@ -37,6 +39,8 @@ public:
     [[nodiscard]] const std::map<std::string, int>& born() const override { return born_; }
     std::vector<Outcome> outcomes() override { return collecting_->take(); }
     CollectCounts collected() override { return collecting_->counts(); }
+    [[nodiscard]] std::int64_t collectors() const override { return command_ ? 2 : 1; }
+    std::optional<Printed> end_source() override;
     std::vector<std::string> fallen() override;
     std::vector<std::string> end() override;
 
@@ -55,6 +59,7 @@ private:
     Application application_{swarm_.application()};
     std::int64_t fed_ = 1;
     std::optional<Collecting> collecting_;
+    std::optional<Command> command_;
 };
 
 /// A round with its beginning and its end; also what is left of it is a problem.

@@ -25,13 +25,18 @@ bool Round::source_done(const Statuses& statuses) const
     return found != statuses.end() && found->second.outputs.at(0).produced >= ground_.fed();
 }
 
-/// Are all edges of a drone ("": of all) there, and are the exceptions heard that it may throw?
+/// Are all edges of a drone ("": of all) there, those to collectors too, and are the exceptions heard that it may
+/// throw?
 bool Round::whole(const Statuses& statuses, const std::string& drone) const
 {
     for (const auto& stage : plan_.topology.stages)
         for (const auto& worker : stage.drones)
             if (plan_.topology.may_throw(stage) && (drone.empty() || worker == drone) && !heard(statuses, worker))
                 return false;
+    for (const auto& worker : plan_.topology.stages.back().drones)
+        if (ground_.collectors() > 1 && (drone.empty() || worker == drone)
+            && collectors_of(statuses, worker) < ground_.collectors())
+            return false;
     return std::ranges::all_of(plan_.topology.edges(), [&](const Edge& edge) {
         return (!drone.empty() && edge.sender != drone && edge.receiver != drone) || connected(statuses, edge);
     });
