@@ -36,6 +36,7 @@ void Collecting::run(const std::stop_token& ending)
         if (exception && exception->identity.sequence > 0)
             came_.push_back(outcome_of(*exception, true));
         counts_ = results_->counts();
+        ended_ = results_->ended();
     }
 }
 
@@ -49,6 +50,12 @@ CollectCounts Collecting::counts() const
 {
     const std::lock_guard lock(mutex_);
     return counts_;
+}
+
+std::optional<std::string> Collecting::ended() const
+{
+    const std::lock_guard lock(mutex_);
+    return ended_;
 }
 
 }  // namespace hive::mixtures

@@ -18,6 +18,8 @@ public:
     /// What has come since the last call, in the order of its coming.
     std::vector<Outcome> take();
     [[nodiscard]] CollectCounts counts() const;
+    /// Once everything has come after an end of the source: what is missing.
+    [[nodiscard]] std::optional<std::string> ended() const;
 
 private:
     void run(const std::stop_token& ending);
@@ -27,6 +29,7 @@ private:
     mutable std::mutex mutex_;
     std::vector<Outcome> came_;
     CollectCounts counts_;
+    std::optional<std::string> ended_;
     std::jthread thread_;  // the last: it uses all the others
 };
 

@@ -7,14 +7,16 @@ namespace hive::mixtures {
 Extras make_extras(std::uint64_t seed)
 {
     Random random(~seed);  // the plan has drawn from the seed itself
-    return {.command = random.chance(60)};
+    const bool ends = random.chance(30);
+    const bool command = random.chance(60) && !ends;  // it exits at the end
+    return {.ends = ends, .command = command};
 }
 
 std::string to_text(const Extras& extras)
 {
-    std::string text;
+    std::string text = extras.ends ? "the source ends" : "the source does not end";
     if (extras.command)
-        text += " -> hivectl results";
+        text += ", -> hivectl results";
     return text;
 }
 

@@ -8,11 +8,12 @@
 namespace hive::mixtures {
 
 struct Extras {
+    bool ends = false;     ///< the source ends when it has made what it may, and goes on when it is fed
     bool command = false;  ///< `hivectl results` receives the results as well
 };
 
 Extras make_extras(std::uint64_t seed);
-/// " -> hivectl results"
+/// "the source does not end, -> hivectl results"
 std::string to_text(const Extras& extras);
 
 }  // namespace hive::mixtures

@@ -65,7 +65,9 @@ Outcome outcome_of(const Event& event, bool failed)
                     .epoch = event.identity.epoch,
                     .sequence = event.identity.sequence,
                     .hops = {}};
-    if (failed)
+    if (!failed)
+        outcome.index = event.header.value("index", std::int64_t{0});
+    else
         outcome.text = event.header.value("code", "") + ": " + event.header.value("text", "");
     for (const auto& hop : event.identity.hops)
         outcome.hops.push_back(hop.drone);

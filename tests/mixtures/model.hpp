@@ -17,6 +17,7 @@ struct Outcome {
     std::string text;  ///< of an exception: its code and text
     std::int64_t epoch = 0, sequence = 0;
     std::vector<std::string> hops;  ///< the drones that the event went through, oldest first
+    std::int64_t index = 0;         ///< of a result: its number in the run of the source; 0: its header does not say
 };
 std::string to_text(const Outcome& outcome);
 /// @param failed  it came of an exceptions output

@@ -12,11 +12,11 @@ namespace {
 
 using namespace std::chrono_literals;
 
-std::vector<std::string> first_settings(const Topology& topology, const std::string& drone, std::int64_t fed)
+std::vector<std::string> first_settings(const Topology& topology, const std::string& drone, std::int64_t fed, bool ends)
 {
     if (drone == source)
-        return {std::string("pace=") + (topology.demand ? "demand" : "live"), "fps=200", "bytes=100", "ends=false",
-                "count=" + std::to_string(fed)};
+        return {std::string("pace=") + (topology.demand ? "demand" : "live"), "fps=200", "bytes=100",
+                std::string("ends=") + (ends ? "true" : "false"), "count=" + std::to_string(fed)};
     if (drone == watcher)
         return {};
     return {"work_ms=" + std::to_string(first_setting.work_ms), "most_ms=" + std::to_string(first_setting.most_ms),
@@ -35,14 +35,14 @@ std::size_t held_here()
 
 }  // namespace
 
-Running::Running(const Topology& topology, const Extras& extras) : topology_(topology)
+Running::Running(const Topology& topology, const Extras& extras) : topology_(topology), extras_(extras)
 {
     for (const auto& drone : topology_.drones()) {
         start(drone, false);
         born_[drone] = 0;
     }
     collecting_.emplace(swarm_, topology_);
-    if (!extras.command)
+    if (!extras_.command)
         return;
     command_.emplace(swarm_, topology_);
     const auto collected = [&](const std::string& drone) { return collectors_of(statuses(), drone) == collectors(); };
@@ -69,8 +69,10 @@ void Running::start(const std::string& drone, bool remembers)
     if (drone == source && !remembers)
         fed_ = 1;
     born_[drone] = ++starts_;
-    auto settings = remembers ? std::vector<std::string>{} : first_settings(topology_, drone, fed_);
+    auto settings = remembers ? std::vector<std::string>{} : first_settings(topology_, drone, fed_, extras_.ends);
     processes_.insert_or_assign(drone, swarm_.drone(drone == source ? "ticker" : "sleeper", drone, settings));
+    if (drone == source)
+        numbering_.began(statuses_of(application_, {source}).at(source).epoch);
 }
 
 void Running::connect(const Edge& edge)
@@ -185,17 +187,20 @@ Played play(const Plan& plan)
 {
     const auto held = held_here();
     const auto extras = make_extras(plan.seed);
+    auto plan_here = plan;
+    if (extras.ends)
+        plan_here.faults.insert(fault::ends);
     Played played;
     try {
         Running running(plan.topology, extras);
-        played = Round(plan, running).play();
+        played = Round(plan_here, running).play();
     } catch (const std::exception& error) {
         played.problems = {std::string("the round did not begin or end: ") + error.what()};
     }
     if (!test::eventually([&] { return held_here() <= held; }))
         played.problems.push_back("descriptors or shared memory are left: " + std::to_string(held_here()) + ", before "
                                   + std::to_string(held));
-    played.picture = "beside the plan:" + to_text(extras) + "\n" + played.picture;
+    played.picture = "beside the plan: " + to_text(extras) + "\n" + played.picture;
     return played;
 }
 

@@ -4,6 +4,7 @@
 #include "collecting.hpp"
 #include "command.hpp"
 #include "extras.hpp"
+#include "numbering.hpp"
 #include "round.hpp"
 
 #include <swarm.hpp>
@@ -37,8 +38,9 @@ public:
     Settings settings() override;
     std::int64_t count() override;
     [[nodiscard]] const std::map<std::string, int>& born() const override { return born_; }
-    std::vector<Outcome> outcomes() override { return collecting_->take(); }
+    std::vector<Outcome> outcomes() override { return numbering_.numbered(collecting_->take()); }
     CollectCounts collected() override { return collecting_->counts(); }
+    std::optional<std::string> ended() override { return collecting_->ended(); }
     [[nodiscard]] std::int64_t collectors() const override { return command_ ? 2 : 1; }
     std::optional<Printed> end_source() override;
     std::vector<std::string> fallen() override;
@@ -50,6 +52,7 @@ private:
 
     const Clock::time_point begun_ = now();
     Topology topology_;
+    Extras extras_;
     test::Swarm swarm_;
     std::map<std::string, test::Process> processes_;
     std::map<std::string, test::Clock::time_point> frozen_;
@@ -58,6 +61,7 @@ private:
     int starts_ = 0;
     Application application_{swarm_.application()};
     std::int64_t fed_ = 1;
+    Numbering numbering_;
     std::optional<Collecting> collecting_;
     std::optional<Command> command_;
 };
