@@ -1,5 +1,6 @@
 // From a seed to what is beside the plan.
 #include "extras.hpp"
+#include "plan.hpp"
 #include "random.hpp"
 
 namespace hive::mixtures {
@@ -9,7 +10,10 @@ Extras make_extras(std::uint64_t seed)
     Random random(~seed);  // the plan has drawn from the seed itself
     const bool ends = random.chance(30);
     const bool command = random.chance(60) && !ends;  // it exits at the end
-    return {.ends = ends, .command = command};
+    Extras extras{.ends = ends, .command = command};
+    if (random.chance(40))
+        extras.bystanders.push_back(recorder);
+    return extras;
 }
 
 std::string to_text(const Extras& extras)
@@ -17,6 +21,8 @@ std::string to_text(const Extras& extras)
     std::string text = extras.ends ? "the source ends" : "the source does not end";
     if (extras.command)
         text += ", -> hivectl results";
+    for (const auto& drone : extras.bystanders)
+        text += ", source -> " + drone;
     return text;
 }
 

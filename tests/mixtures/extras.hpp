@@ -4,12 +4,14 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 namespace hive::mixtures {
 
 struct Extras {
     bool ends = false;     ///< the source ends when it has made what it may, and goes on when it is fed
     bool command = false;  ///< `hivectl results` receives the results as well
+    std::vector<std::string> bystanders = {};
 };
 
 Extras make_extras(std::uint64_t seed);

@@ -4,6 +4,7 @@
 #include "model.hpp"
 #include "orders.hpp"
 #include "printed.hpp"
+#include "received.hpp"
 #include "status_of.hpp"
 #include "values.hpp"
 
@@ -82,6 +83,8 @@ public:
     virtual std::vector<std::string> fallen() = 0;
     /// Ends all by order; says what is left of them.
     virtual std::vector<std::string> end() = 0;
+    /// What the bystanders have received until then.
+    virtual std::vector<Received> received() { return {}; }
 };
 
 /// The first of a worker.

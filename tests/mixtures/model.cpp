@@ -9,7 +9,8 @@
 //   - The source is killed or stopped: what it had produced in that life.
 //   - A plain drone is disconnected or stopped by order: what it has not answered, and what is produced until it is
 //     connected again.
-//   - The last member of a group leaves a worker by order: nobody is left who receives that worker.
+//   - The last member of a group leaves a worker by order: nobody is left who receives that worker. If it leaves the
+//     source, the source goes on for its bystanders.
 //   - A sender starts anew, and two or more plain drones or collectors receive it: it does not know them before they
 //     have come back, so what it sends meanwhile reaches only those that have.
 //   - A drone whose code throws starts anew: exceptions wait for nobody, and who hears them has to come back first.
@@ -80,7 +81,9 @@ Outcome outcome_of(const Event& event, bool failed)
 Model::Model(const Topology& topology, std::int64_t collectors)
     : topology_(topology), condition_(topology), collectors_(collectors)
 {
-    excuse_receivers_of(source);  // they are connected one after the other
+    // They are connected one after the other, and bystanders last.
+    excuse_plain(topology_.stages.front());
+    excuse_each(topology_.bystanders);
 }
 
 void Model::before(const Step& step)
@@ -120,7 +123,7 @@ void Model::passes(int ms)
     for (const auto& [drone, life] : condition_.lives()) {
         auto& away = away_ms_[drone];
         away = condition_.runs(drone) ? 0 : away + ms;
-        if (away > place_kept_ms && drone != source && drone != watcher)
+        if (away > place_kept_ms && topology_.is_worker(drone))
             excuse(topology_.stages.at(topology_.stage_of(drone)).shared() ? "" : drone);
     }
 }
@@ -138,7 +141,7 @@ std::set<std::string> Model::halted() const
 bool Model::has_another(const std::string& sender, const std::string& receiver, bool running) const
 {
     return std::ranges::any_of(topology_.edges(), [&](const Edge& edge) {
-        return edge.sender == sender && edge.receiver != receiver && edge.receiver != watcher
+        return edge.sender == sender && edge.receiver != receiver && topology_.is_worker(edge.receiver)
                && condition_.connected(sender, edge.receiver) && (!running || condition_.runs(edge.receiver));
     });
 }
@@ -147,7 +150,7 @@ void Model::began_anew(const std::string& drone)
 {
     began_anew_ = true;
     excuse_receivers_of(drone);
-    if (drone == source || drone == watcher)
+    if (!topology_.is_worker(drone))
         return;
     const auto& stage = topology_.stages.at(topology_.stage_of(drone));
     if (topology_.may_throw(stage))
@@ -156,28 +159,46 @@ void Model::began_anew(const std::string& drone)
 
 void Model::left(const std::string& sender, const std::string& receiver, bool another)
 {
-    if (receiver == watcher)
+    if (!topology_.is_worker(receiver))
         return;
     const auto& stage = topology_.stages.at(topology_.stage_of(receiver));
     if (!stage.shared() || alone_.contains({sender, receiver}))
         return excuse(stage.shared() ? "" : receiver);
-    if (!another && sender != source)
+    if (another)
+        return;
+    if (sender == source && !topology_.bystanders.empty())
+        excuse("");
+    else if (sender != source)
         excuse(topology_.stages.at(topology_.stage_of(sender)).shared() ? "" : sender);
 }
 
 void Model::excuse_receivers_of(const std::string& drone)
 {
-    const auto next = drone == source ? 0 : topology_.stage_of(drone) + 1;
-    if (drone == watcher)
+    if (drone != source && !topology_.is_worker(drone))
         return;
+    const auto next = drone == source ? 0 : topology_.stage_of(drone) + 1;
     if (next >= topology_.stages.size()) {
         if (collectors_ > 1)
             excuse(topology_.stages.back().shared() ? "" : drone);
         return;
     }
     const auto& stage = topology_.stages[next];
+    if (drone != source || topology_.bystanders.empty())
+        return excuse_plain(stage);
+    stage.shared() ? excuse("") : excuse_each(stage.drones);
+    excuse_each(topology_.bystanders);
+}
+
+/// They do not come at once.
+void Model::excuse_plain(const Stage& stage)
+{
     if (!stage.shared() && stage.drones.size() > 1)
-        std::ranges::for_each(stage.drones, [this](auto& receiver) { excuse(receiver); });
+        excuse_each(stage.drones);
+}
+
+void Model::excuse_each(const std::vector<std::string>& drones)
+{
+    std::ranges::for_each(drones, [this](auto& drone) { excuse(drone); });
 }
 
 void Model::excuse(const std::string& drone) { excuses_.push_back({drone, 0, open}); }

@@ -43,6 +43,11 @@ public:
     std::optional<std::string> came(const Outcome& outcome);
     /// Of a source on demand at rest: what has not come, of the events that it has produced in this epoch.
     [[nodiscard]] std::vector<std::string> missing(std::int64_t epoch, std::int64_t produced) const;
+    /// Must this bystander have got the event?
+    [[nodiscard]] bool owes(const std::string& bystander, std::int64_t epoch, std::int64_t sequence) const
+    {
+        return !is_excused({bystander}, epoch, sequence);
+    }
     /// At most, of an event.
     [[nodiscard]] std::int64_t max_results() const { return std::ssize(ways()); }
     /// Those that have come of this event, and that any other collector must have got.
@@ -70,6 +75,8 @@ private:
     [[nodiscard]] std::vector<Way> ways() const;
     [[nodiscard]] bool is_excused(const Way& way, std::int64_t epoch, std::int64_t sequence) const;
     void excuse(const std::string& drone);
+    void excuse_each(const std::vector<std::string>& drones);
+    void excuse_plain(const Stage& stage);
     void excuse_receivers_of(const std::string& drone);
     void began_anew(const std::string& drone);
     void passes(int ms);

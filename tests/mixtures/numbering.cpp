@@ -11,6 +11,8 @@ void Numbering::began(std::int64_t epoch)
     made_before_[epoch] = 0;
 }
 
+std::int64_t Numbering::run_of(std::int64_t epoch) const { return *std::prev(runs_.upper_bound(epoch)); }
+
 std::vector<Outcome> Numbering::numbered(std::vector<Outcome> outcomes)
 {
     for (const auto& outcome : outcomes)
@@ -23,7 +25,7 @@ std::vector<Outcome> Numbering::numbered(std::vector<Outcome> outcomes)
         if (const auto before = made_before_.find(outcome.epoch); before == made_before_.end()) {
             waiting_.push_back(std::move(outcome));
         } else {
-            outcome.epoch = *std::prev(runs_.upper_bound(outcome.epoch));
+            outcome.epoch = run_of(outcome.epoch);
             outcome.sequence += before->second;
             numbered.push_back(std::move(outcome));
         }

@@ -13,6 +13,8 @@ class Numbering {
 public:
     /// The source has started, and has this epoch until its first end.
     void began(std::int64_t epoch);
+    /// The epoch of the run that an epoch belongs to.
+    [[nodiscard]] std::int64_t run_of(std::int64_t epoch) const;
     /// With the epoch and the number of the run. An exception does not say its number: it waits for a result of its
     /// epoch.
     std::vector<Outcome> numbered(std::vector<Outcome> outcomes);

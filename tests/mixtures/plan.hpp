@@ -11,7 +11,7 @@
 
 namespace hive::mixtures {
 
-inline const std::string source = "source", watcher = "watcher", hearer = "hearer";
+inline const std::string source = "source", watcher = "watcher", hearer = "hearer", recorder = "recorder";
 
 /// That the source of a round with bodies supports: it leaves out the second half of a body.
 inline const std::string half_encoding = "half";
@@ -37,18 +37,26 @@ struct Topology {
     bool ordered = false;  ///< results are collected in order
     bool watched = false;  ///< a further drone takes notifications of the source
     bool fails = false;    ///< any worker may throw
+    /// Drones beside the stages that also receive each event of the source, and that no step touches.
+    std::vector<std::string> bystanders = {};
     std::vector<Stage> stages;
 
     [[nodiscard]] std::vector<Edge> edges() const;
     [[nodiscard]] std::vector<std::string> drones() const;   ///< all
     [[nodiscard]] std::vector<std::string> workers() const;  ///< of the stages
     [[nodiscard]] std::size_t stage_of(const std::string& worker) const;
+    [[nodiscard]] bool is_worker(const std::string& drone) const { return stage_of(drone) < stages.size(); }
     [[nodiscard]] bool may_throw(const Stage& stage) const { return fails || stage.throw_every > 0; }
     /// What a step connects. One that changes options makes of a plain edge a stream (1), or has a worker that is alone
     /// in its stage share where it did not, and the other way round (2).
     [[nodiscard]] Edge edge_of(const Step& step) const;
     /// Port by which a drone sends: that of the source, or of a worker.
     [[nodiscard]] static std::string output_of(const std::string& drone) { return drone == source ? "tick" : "result"; }
+    /// Port by which it receives.
+    [[nodiscard]] static std::string input_of(const std::string& drone)
+    {
+        return drone == recorder ? "events" : "image";
+    }
 };
 
 enum class Verb {

@@ -37,25 +37,36 @@ Played Round::play()
             return played;
         }
     }
-    played.problems = wrongly_printed();
+    const auto run = last_run();
+    played.problems = wrongly_printed(run);
     if (!played.problems.empty())
         played.picture = picture(ground_.statuses());
-    std::ranges::move(ground_.end(), std::back_inserter(played.problems));
+    const auto add = [&](const Problems& more) { std::ranges::copy(more, std::back_inserter(played.problems)); };
+    add(ground_.end());
+    for (const auto& received : ground_.received())
+        add(wrongly_received(received, model_, run));
     return played;
 }
 
-Problems Round::wrongly_printed()
+LastRun Round::last_run() const
+{
+    const auto statuses = ground_.statuses();
+    const auto found = statuses.find(source);
+    if (found == statuses.end())
+        return {};
+    return {.epoch = found->second.epoch,
+            .produced = found->second.outputs.at(0).produced,
+            .lossless = plan_.topology.demand,
+            .first = ground_.born().at(source) == 0};
+}
+
+Problems Round::wrongly_printed(const LastRun& run)
 {
     const auto printed = ground_.end_source();
     if (!printed)
         return {};
     listen();
-    const auto status = ground_.statuses().at(source);
-    return mixtures::wrongly_printed(*printed, model_,
-                                     {.epoch = status.epoch,
-                                      .produced = status.outputs.at(0).produced,
-                                      .lossless = plan_.topology.demand,
-                                      .first = ground_.born().at(source) == 0});
+    return mixtures::wrongly_printed(*printed, model_, run);
 }
 
 Problems Round::one(const Step& step, bool last)
@@ -98,7 +109,7 @@ void Round::perform(const Step& step)
         break;
     case Verb::stop: stopped_.insert(step.drone); break;
     case Verb::start:
-        if (stopped_.erase(step.drone) > 0 && step.drone != source && step.drone != watcher)
+        if (stopped_.erase(step.drone) > 0 && plan_.topology.is_worker(step.drone))
             values_.began(step.drone, first_setting);
         break;
     default: break;
@@ -169,7 +180,7 @@ Problems Round::connect_all(std::chrono::milliseconds timeout)
     const auto names = ground_.answering();
     for (const auto& [sender, receiver, options] : plan_.topology.edges())
         if (std::ranges::count(names, sender) > 0 && std::ranges::count(names, receiver) > 0)
-            all.push_back({{sender, Topology::output_of(sender)}, {receiver, "image"}, options});
+            all.push_back({{sender, Topology::output_of(sender)}, {receiver, Topology::input_of(receiver)}, options});
     Problems problems;
     for (const auto& [sender, receiver, error] : ground_.connect(all, timeout))
         if (error)

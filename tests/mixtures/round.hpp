@@ -61,7 +61,8 @@ private:
     void connect_all(const Step& step);
     Problems connect_all(std::chrono::milliseconds timeout = Application::Options().timeout);
     [[nodiscard]] Change change(int work_ms, int most_ms) const;
-    Problems wrongly_printed();
+    [[nodiscard]] LastRun last_run() const;
+    Problems wrongly_printed(const LastRun& run);
     void look();
     Problems watch(const Statuses& statuses);
     Problems settle(bool last);

@@ -1,6 +1,7 @@
 // Processes, signals and the calls of an application.
 #include "running.hpp"
 #include "orders.hpp"
+#include "recordings.hpp"
 
 #include <algorithm>
 #include <csignal>
@@ -12,15 +13,9 @@ namespace {
 
 using namespace std::chrono_literals;
 
-std::vector<std::string> first_settings(const Topology& topology, const std::string& drone, std::int64_t fed, bool ends)
+std::string kind_of(const std::string& drone)
 {
-    if (drone == source)
-        return {std::string("pace=") + (topology.demand ? "demand" : "live"), "fps=200", "bytes=100",
-                std::string("ends=") + (ends ? "true" : "false"), "count=" + std::to_string(fed)};
-    if (drone == watcher)
-        return {};
-    return {"work_ms=" + std::to_string(first_setting.work_ms), "most_ms=" + std::to_string(first_setting.most_ms),
-            "throw_every=" + std::to_string(topology.stages.at(topology.stage_of(drone)).throw_every)};
+    return drone == source ? "ticker" : drone == recorder ? "record" : "sleeper";
 }
 
 /// Descriptors and mappings of shared memory of this process itself.
@@ -64,20 +59,34 @@ std::chrono::milliseconds Running::longest_settling() const
     return Ground::longest_settling() * (test::sanitized() ? 2 : 1);
 }
 
+std::vector<std::string> Running::first_settings(const std::string& drone) const
+{
+    if (drone == source)
+        return {std::string("pace=") + (topology_.demand ? "demand" : "live"), "fps=200", "bytes=100",
+                std::string("ends=") + (extras_.ends ? "true" : "false"), "count=" + std::to_string(fed_)};
+    if (drone == recorder)
+        return {"file=" + (swarm_.home() / "run.hive").string()};
+    if (!topology_.is_worker(drone))
+        return {};
+    return {"work_ms=" + std::to_string(first_setting.work_ms), "most_ms=" + std::to_string(first_setting.most_ms),
+            "throw_every=" + std::to_string(topology_.stages.at(topology_.stage_of(drone)).throw_every)};
+}
+
 void Running::start(const std::string& drone, bool remembers)
 {
     if (drone == source && !remembers)
         fed_ = 1;
     born_[drone] = ++starts_;
-    auto settings = remembers ? std::vector<std::string>{} : first_settings(topology_, drone, fed_, extras_.ends);
-    processes_.insert_or_assign(drone, swarm_.drone(drone == source ? "ticker" : "sleeper", drone, settings));
+    auto settings = remembers ? std::vector<std::string>{} : first_settings(drone);
+    processes_.insert_or_assign(drone, swarm_.drone(kind_of(drone), drone, settings));
     if (drone == source)
         numbering_.began(statuses_of(application_, {source}).at(source).epoch);
 }
 
 void Running::connect(const Edge& edge)
 {
-    application_.connect({edge.sender, Topology::output_of(edge.sender)}, {edge.receiver, "image"}, edge.options);
+    application_.connect({edge.sender, Topology::output_of(edge.sender)},
+                         {edge.receiver, Topology::input_of(edge.receiver)}, edge.options);
 }
 
 std::vector<ConnectAnswer> Running::connect(const std::vector<SwarmConnection>& connections,
@@ -183,16 +192,25 @@ std::vector<std::string> Running::end()
     return left;
 }
 
+std::vector<Received> Running::received()
+{
+    std::vector<Received> all;
+    if (std::ranges::count(topology_.bystanders, recorder) > 0)
+        all.push_back(recorded_in(swarm_.home(), numbering_));
+    return all;
+}
+
 Played play(const Plan& plan)
 {
     const auto held = held_here();
     const auto extras = make_extras(plan.seed);
     auto plan_here = plan;
+    plan_here.topology.bystanders = extras.bystanders;
     if (extras.ends)
         plan_here.faults.insert(fault::ends);
     Played played;
     try {
-        Running running(plan.topology, extras);
+        Running running(plan_here.topology, extras);
         played = Round(plan_here, running).play();
     } catch (const std::exception& error) {
         played.problems = {std::string("the round did not begin or end: ") + error.what()};

@@ -45,9 +45,11 @@ public:
     std::optional<Printed> end_source() override;
     std::vector<std::string> fallen() override;
     std::vector<std::string> end() override;
+    std::vector<Received> received() override;
 
 private:
     void feed(int events);
+    [[nodiscard]] std::vector<std::string> first_settings(const std::string& drone) const;
     void start(const std::string& drone, bool remembers);
 
     const Clock::time_point begun_ = now();

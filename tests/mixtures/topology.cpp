@@ -81,6 +81,8 @@ Topology make_topology(Random& random)
 std::vector<Edge> Topology::edges() const
 {
     std::vector<Edge> edges;
+    for (const auto& drone : bystanders)
+        edges.push_back({source, drone, {.window = 8, .group = {}}});
     std::vector<std::string> senders{source};
     for (const auto& stage : stages) {
         for (const auto& sender : senders)
@@ -105,6 +107,7 @@ std::vector<std::string> Topology::drones() const
 {
     auto names = workers();
     names.insert(names.begin(), source);
+    names.insert(names.end(), bystanders.begin(), bystanders.end());
     if (watched)
         names.push_back(watcher);
     return names;
