@@ -13,6 +13,8 @@ Extras make_extras(std::uint64_t seed)
     Extras extras{.ends = ends, .command = command};
     if (random.chance(40))
         extras.bystanders.push_back(recorder);
+    if (random.chance(40))
+        extras.bystanders.push_back(forker);
     return extras;
 }
 

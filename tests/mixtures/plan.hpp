@@ -11,7 +11,8 @@
 
 namespace hive::mixtures {
 
-inline const std::string source = "source", watcher = "watcher", hearer = "hearer", recorder = "recorder";
+inline const std::string source = "source", watcher = "watcher", hearer = "hearer", recorder = "recorder",
+                         forker = "fork", joiner = "pair";
 
 /// That the source of a round with bodies supports: it leaves out the second half of a body.
 inline const std::string half_encoding = "half";
@@ -55,7 +56,7 @@ struct Topology {
     /// Port by which it receives.
     [[nodiscard]] static std::string input_of(const std::string& drone)
     {
-        return drone == recorder ? "events" : "image";
+        return drone == recorder ? "events" : drone == forker ? "in" : "image";
     }
 };
 

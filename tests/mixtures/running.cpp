@@ -15,7 +15,8 @@ using namespace std::chrono_literals;
 
 std::string kind_of(const std::string& drone)
 {
-    return drone == source ? "ticker" : drone == recorder ? "record" : "sleeper";
+    const bool by_name = drone == forker || drone == joiner;
+    return drone == source ? "ticker" : drone == recorder ? "record" : by_name ? drone : "sleeper";
 }
 
 /// Descriptors and mappings of shared memory of this process itself.
@@ -37,6 +38,10 @@ Running::Running(const Topology& topology, const Extras& extras) : topology_(top
         born_[drone] = 0;
     }
     collecting_.emplace(swarm_, topology_);
+    if (is_bystander(forker)) {
+        start(joiner, false);
+        branch_.emplace(swarm_);
+    }
     if (!extras_.command)
         return;
     command_.emplace(swarm_, topology_);
@@ -195,8 +200,10 @@ std::vector<std::string> Running::end()
 std::vector<Received> Running::received()
 {
     std::vector<Received> all;
-    if (std::ranges::count(topology_.bystanders, recorder) > 0)
+    if (is_bystander(recorder))
         all.push_back(recorded_in(swarm_.home(), numbering_));
+    if (branch_)
+        std::ranges::move(branch_->received(numbering_), std::back_inserter(all));
     return all;
 }
 

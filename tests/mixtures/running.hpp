@@ -1,6 +1,7 @@
 // A round on real drones: processes, signals and the calls of an application.
 #pragma once
 
+#include "branch.hpp"
 #include "collecting.hpp"
 #include "command.hpp"
 #include "extras.hpp"
@@ -9,6 +10,7 @@
 
 #include <swarm.hpp>
 
+#include <algorithm>
 #include <set>
 
 namespace hive::mixtures {
@@ -48,6 +50,10 @@ public:
     std::vector<Received> received() override;
 
 private:
+    [[nodiscard]] bool is_bystander(const std::string& drone) const
+    {
+        return std::ranges::count(topology_.bystanders, drone) > 0;
+    }
     void feed(int events);
     [[nodiscard]] std::vector<std::string> first_settings(const std::string& drone) const;
     void start(const std::string& drone, bool remembers);
@@ -66,6 +72,7 @@ private:
     Numbering numbering_;
     std::optional<Collecting> collecting_;
     std::optional<Command> command_;
+    std::optional<Branch> branch_;
 };
 
 /// A round with its beginning and its end; also what is left of it is a problem.

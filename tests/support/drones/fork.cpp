@@ -18,7 +18,7 @@ void fork_drone(hive::Drone& drone)
     drone.parameter("slow_ms", slow_ms, hive::between(0, 600'000).in("ms"), "how long another mark takes to apply");
     drone.parameter("bomb", bomb, hive::one_of({"none", "main", "change", "event"}),
                     "where an int is thrown, once; in change: each time");
-    const auto left = drone.output("left", "application/json", "in the header: seq of the input, no boxes"),
+    const auto left = drone.output("left", "application/json", "in the header: seq and index of the input, no boxes"),
                right = drone.output("right", "application/json", "the same");
     drone.on_change([&] {
         if (mark != marked)
@@ -37,7 +37,9 @@ void fork_drone(hive::Drone& drone)
         [&](const hive::Event& event) {
             throw_once("event");
             // An empty list of boxes, so that a tracker accepts it.
-            const hive::Json header{{"seq", event.identity.sequence}, {"boxes", hive::Json::array()}};
+            const hive::Json header{{"seq", event.identity.sequence},
+                                    {"index", event.header.value("index", std::int64_t{0})},
+                                    {"boxes", hive::Json::array()}};
             left.emit(header);
             right.emit(header);
         },
