@@ -15,12 +15,15 @@ Extras make_extras(std::uint64_t seed)
         extras.bystanders.push_back(recorder);
     if (random.chance(40))
         extras.bystanders.push_back(forker);
+    extras.up = random.chance(30);
     return extras;
 }
 
 std::string to_text(const Extras& extras)
 {
     std::string text = extras.ends ? "the source ends" : "the source does not end";
+    if (extras.up)
+        text += ", up and down";
     if (extras.command)
         text += ", -> hivectl results";
     for (const auto& drone : extras.bystanders)

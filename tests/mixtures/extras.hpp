@@ -10,6 +10,7 @@ namespace hive::mixtures {
 
 struct Extras {
     bool ends = false;     ///< the source ends when it has made what it may, and goes on when it is fed
+    bool up = false;       ///< `hivectl up` starts and connects the drones, and `hivectl down` ends them
     bool command = false;  ///< `hivectl results` receives the results as well
     std::vector<std::string> bystanders = {};
 };

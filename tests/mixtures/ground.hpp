@@ -8,6 +8,7 @@
 #include "status_of.hpp"
 #include "values.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <functional>
 
@@ -46,6 +47,12 @@ public:
     [[nodiscard]] virtual bool all_hear() const { return true; }
 
     virtual void connect(const Edge& edge) = 0;
+    /// The first connections, of all drones. @return whether no event was sent before all were there
+    virtual bool begin(const std::vector<Edge>& edges)
+    {
+        std::for_each(edges.rbegin(), edges.rend(), [this](const Edge& edge) { connect(edge); });
+        return false;
+    }
     /// By an application of its own: two may be under way.
     virtual std::vector<ConnectAnswer> connect(const std::vector<SwarmConnection>& connections,
                                                std::chrono::milliseconds timeout) = 0;

@@ -22,8 +22,9 @@ Round::Round(Plan plan, Ground& ground)
 {
     for (const auto& drone : plan_.topology.workers())
         values_.began(drone, first_setting);
-    const auto edges = plan_.topology.edges();
-    std::for_each(edges.rbegin(), edges.rend(), [this](const Edge& edge) { ground_.connect(edge); });
+    if (ground_.begin(plan_.topology.edges()))
+        for (const auto& drone : model_.excused())
+            model_.whole(drone, 0, 0);
 }
 
 Played Round::play()

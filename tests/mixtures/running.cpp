@@ -2,10 +2,13 @@
 #include "running.hpp"
 #include "orders.hpp"
 #include "recordings.hpp"
+#include "swarm_file.hpp"
 
 #include <algorithm>
 #include <csignal>
+#include <fstream>
 #include <future>
+#include <sys/prctl.h>
 #include <thread>
 
 namespace hive::mixtures {
@@ -33,8 +36,11 @@ std::size_t held_here()
 
 Running::Running(const Topology& topology, const Extras& extras) : topology_(topology), extras_(extras)
 {
+    if (extras_.up)
+        up(true);
     for (const auto& drone : topology_.drones()) {
-        start(drone, false);
+        if (!extras_.up)
+            start(drone, false);
         born_[drone] = 0;
     }
     collecting_.emplace(swarm_, topology_);
@@ -83,15 +89,48 @@ void Running::start(const std::string& drone, bool remembers)
         fed_ = 1;
     born_[drone] = ++starts_;
     auto settings = remembers ? std::vector<std::string>{} : first_settings(drone);
-    processes_.insert_or_assign(drone, swarm_.drone(kind_of(drone), drone, settings));
+    const auto of_swarm = extras_.up ? std::vector<std::string>{"--swarm", swarm_name} : std::vector<std::string>{};
+    processes_.insert_or_assign(drone, swarm_.drone(kind_of(drone), drone, settings, of_swarm));
     if (drone == source)
         numbering_.began(statuses_of(application_, {source}).at(source).epoch);
+}
+
+/// The first call starts and connects all drones, with a source that has halted until the collectors are there, and the
+/// second one lets it go.
+void Running::up(bool halted)
+{
+    ::prctl(PR_SET_CHILD_SUBREAPER, 1);  // their exit codes are for this process
+    const auto file = swarm_.home() / "round.json";
+    std::ofstream(file) << swarm_file(topology_, [&](const std::string& drone) {
+        return FileDrone{kind_of(drone), first_settings(drone), halted && drone == source};
+    });
+    swarm_.hivectl_done({"up", file.string()}, 60s);
+    if (!processes_.empty())
+        return;
+    for (const auto& [drone, status] : statuses_of(application_, topology_.drones()))
+        processes_.insert_or_assign(drone, test::Process::adopted(static_cast<pid_t>(status.pid)));
+    numbering_.began(statuses_of(application_, {source}).at(source).epoch);
+}
+
+void Running::down(std::vector<std::string>& left)
+{
+    const auto down = swarm_.hivectl({"down", (swarm_.home() / "round.json").string()}, 30s);
+    if (down.exit_code != 0)
+        left.push_back("hivectl down exited with " + std::to_string(down.exit_code) + ":\n" + down.out + down.err);
 }
 
 void Running::connect(const Edge& edge)
 {
     application_.connect({edge.sender, Topology::output_of(edge.sender)},
                          {edge.receiver, Topology::input_of(edge.receiver)}, edge.options);
+}
+
+bool Running::begin(const std::vector<Edge>& edges)
+{
+    if (!extras_.up)
+        return Ground::begin(edges);
+    up(false);
+    return true;
 }
 
 std::vector<ConnectAnswer> Running::connect(const std::vector<SwarmConnection>& connections,
@@ -183,8 +222,11 @@ std::vector<std::string> Running::fallen()
 std::vector<std::string> Running::end()
 {
     std::vector<std::string> left;
+    if (extras_.up)
+        down(left);
     for (auto& [drone, process] : processes_) {
-        application_.stop(drone);
+        if (!extras_.up || drone == joiner)
+            application_.stop(drone);
         if (const auto code = process.wait(test::patient(5000ms)); code != 0)
             left.push_back(drone + (code ? " ended with " + std::to_string(*code) : " still runs") + " after stop:\n"
                            + swarm_.log(drone));

@@ -30,6 +30,7 @@ public:
         return std::chrono::duration_cast<std::chrono::microseconds>(now() - begun_);
     }
     void connect(const Edge& edge) override;
+    bool begin(const std::vector<Edge>& edges) override;
     std::vector<ConnectAnswer> connect(const std::vector<SwarmConnection>& connections,
                                        std::chrono::milliseconds timeout) override;
     void perform(const Step& step) override;
@@ -57,6 +58,8 @@ private:
     void feed(int events);
     [[nodiscard]] std::vector<std::string> first_settings(const std::string& drone) const;
     void start(const std::string& drone, bool remembers);
+    void up(bool halted);
+    void down(std::vector<std::string>& left);
 
     const Clock::time_point begun_ = now();
     Topology topology_;

@@ -129,6 +129,10 @@ Process::Process(const std::vector<std::string>& words, const std::vector<std::s
     watch_ = static_cast<int>(::syscall(SYS_pidfd_open, pid_, 0));
 }
 
+Process::Process(pid_t pid) : pid_(pid), watch_(static_cast<int>(::syscall(SYS_pidfd_open, pid, 0))) {}
+
+Process Process::adopted(pid_t pid) { return Process(pid); }
+
 Process::~Process()
 {
     kill();

@@ -23,6 +23,9 @@ public:
     /// As above with stderr in a file of its own.
     Process(const std::vector<std::string>& words, const std::vector<std::string>& environment,
             const std::filesystem::path& out, const std::filesystem::path& err);
+    /// A process that a program of this test has left in the background, once this process is its subreaper. Unlike the
+    /// others it outlives a test that is killed.
+    static Process adopted(pid_t pid);
     ~Process();
     Process(Process&& other) noexcept;
     Process& operator=(Process&& other) noexcept;
@@ -35,6 +38,8 @@ public:
     void kill();
 
 private:
+    explicit Process(pid_t pid);
+
     pid_t pid_ = -1;
     int watch_ = -1;  ///< readable when the process has ended
     std::optional<int> exit_code_;
