@@ -24,6 +24,10 @@ Welcome ReceiverTable::add(const Newcomer& newcomer, Clock::time_point now, Deci
     const auto ends = before ? make_way(*before, newcomer, now, decisions) : std::nullopt;
     auto welcome = newcomer.options.group.empty() ? seat(newcomer, now, decisions) : join(newcomer, now, decisions);
     welcome.ends = ends;
+    for (auto& [id, seat] : seats_)  // it was disconnected after it had changed, and still has events in progress
+        if (newcomer.unique && seat.receiver == newcomer.receiver && seat.run == newcomer.run && seat.heir
+            && !seats_.contains(*seat.heir))
+            seat.heir = newcomer.id;
     if (newcomer.unique && !seats_.at(newcomer.id).subscription().passive())
         inherit(newcomer, now, decisions);
     if (takes_bodies(newcomer) && !newcomer.guest && !held_.empty())

@@ -80,6 +80,21 @@ TEST_CASE("regroup: what a receiver has in hand goes to where it stands now, als
     CHECK(world.table.demand().asked);
 }
 
+TEST_CASE("regroup: what a receiver has in hand goes to its next connection, if it was disconnected meanwhile")
+{
+    World world;
+    world.add(face(1, window(2)));
+    world.offer(1, true);
+    world.offer(2, true);
+    world.add(face(2, sharing(4)));
+    world.leave(2);
+    world.add(face(3, window(4), false));
+    CHECK(world.lose(1, Fate::lost_connection) == Got{{3, {1, 2}}});
+    CHECK(world.table.why() != Reason::place_kept);
+    world.ask(3, {6, 2, 2});
+    CHECK(world.table.demand().asked);
+}
+
 TEST_CASE("regroup: a member that was disconnected with something in hand takes it along when it is connected again")
 {
     World world;
