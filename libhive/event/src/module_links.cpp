@@ -176,6 +176,15 @@ void Module::await_earlier_run(const LinkPtr& link)
             await_end_or_answer(*other, link);
 }
 
+/// Time in which this end is suspended does not count: what arrived meanwhile may still be unread.
+static void after_awake(const std::shared_ptr<platform::Timer>& timer, Clock::duration step, Clock::duration time,
+                        std::function<void()> then)
+{
+    timer->run_after(step, [timer, step, left = time - step, then = std::move(then)] {
+        left > Clock::duration::zero() ? after_awake(timer, step, left, then) : then();
+    });
+}
+
 void Module::await_end_or_answer(Link& earlier, const LinkPtr& link)
 {
     link->defer();
@@ -196,7 +205,8 @@ void Module::await_end_or_answer(Link& earlier, const LinkPtr& link)
         arm();
     };
     // Any packet shows that it is alive, not only a pong; otherwise it has been disconnected by then.
-    timer->run_after(options_.timing.silence + options_.timing.heartbeat, [go_on] { go_on(true); });
+    const auto& timing = options_.timing;
+    after_awake(timer, timing.heartbeat, timing.silence + timing.heartbeat, [go_on] { go_on(true); });
     earlier.connection().ping(go_on);
 }
 
