@@ -17,8 +17,9 @@
 //   - Two machines are parted, or a drone is dead meanwhile, for so long that a place may be given up.
 //
 // Not promised: that an event which a drone gives up has no result besides this exception. The drone may be killed or
-// replaced before it acknowledges the event, another member of its group may have the event, too, or it may disconnect
-// a receiver that still processes the event. A collector in order rejects the second answer (SPEC.md, section 8.5).
+// replaced before it acknowledges the event, another member of its group may have the event, too, it may disconnect a
+// receiver that still processes the event, or the receiver gave the result before it was killed or replaced, and failed
+// at the event again. A collector in order rejects the second answer (SPEC.md, section 8.5).
 //
 // A live source owes nothing but that no result comes twice, and that what is collected in order is in order.
 #include "model.hpp"
@@ -92,7 +93,8 @@ void Model::before(const Step& step)
     condition_.follow(step);
     if (step.verb == Verb::stop || (step.verb == Verb::start && stopped_.contains(step.drone)))
         began_anew(step.drone);
-    if (step.verb == Verb::kill || step.verb == Verb::set_and_kill || step.verb == Verb::replace)
+    if (step.verb == Verb::kill || step.verb == Verb::set_and_kill || step.verb == Verb::replace
+        || step.verb == Verb::connect_all)
         cut_short_.insert({step.drone, step.sender});  // two may be replaced at once
     else if (step.verb == Verb::disconnect || step.verb == Verb::forget)
         cut_short_.insert(step.sender);
@@ -258,7 +260,9 @@ bool Model::may_come_beside(const Outcome& outcome) const
 {
     const auto& drone = outcome.sender;
     return outcome.failed && outcome.text.starts_with("abandoned")
-           && (cut_short_.contains(drone) || (drone != source && topology_.stages[topology_.stage_of(drone)].shared()));
+           && (cut_short_.contains(drone)
+               || std::ranges::any_of(outcome.hops, [&](auto& hop) { return cut_short_.contains(hop); })
+               || (drone != source && topology_.stages[topology_.stage_of(drone)].shared()));
 }
 
 std::optional<std::string> Model::came(const Outcome& outcome)

@@ -124,4 +124,7 @@ TEST_CASE("mixtures: of two receivers that were given up at one event each has a
     CHECK_FALSE(model.came(given_up("a2.image")));
     CHECK(model.missing(1, 1).empty());
     CHECK(model.came(given_up("a1.image")));
+    CHECK(model.came(result(1, {"a1"})));
+    model.before({.verb = Verb::kill, .drone = "a1"});  // the result may have come before that
+    CHECK_FALSE(model.came(result(1, {"a1"})));
 }
