@@ -252,6 +252,17 @@ Plan make_plan(std::uint64_t seed, int steps, const std::set<std::string>& fault
     return plan;
 }
 
+std::set<std::string> draw_faults(std::uint64_t seed, const std::set<std::string>& faults)
+{
+    Random random(~seed);  // not the generator of the plan
+    const int percent = random.pick(std::vector{0, 0, 10, 25, 50});
+    std::set<std::string> drawn;
+    for (const auto& fault : faults)
+        if (random.chance(percent))
+            drawn.insert(fault);
+    return drawn.empty() && !faults.empty() ? std::set{fault::none} : drawn;
+}
+
 std::string options_of(const Plan& plan)
 {
     std::string options = "--seed " + std::to_string(plan.seed) + " --steps " + std::to_string(plan.size);

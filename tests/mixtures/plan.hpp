@@ -119,8 +119,9 @@ struct Step {
     bool settle = false;         ///< afterwards wait until nothing changes any more, and check
 };
 
-/// Faults that the simulated world adds to the steps when they are asked for.
+/// Faults that the simulated world adds to the steps.
 namespace fault {
+inline const std::string none = "none";                ///< only the steps
 inline const std::string bodies = "bodies";            ///< of up to 300 KiB, encoded for some connections
 inline const std::string crash_point = "crash-point";  ///< a killed drone dies between two writes of a handler
 inline const std::string clocks = "clocks";            ///< the drones are on two machines
@@ -133,6 +134,8 @@ inline const std::string lie = "lie";                  ///< peers that are not i
 inline const std::string part = "part";                ///< steps of that name, on two machines
 inline const std::string replace = "replace";          ///< steps of that name
 inline const std::string silence = "silence";          ///< for a time, one drone does not hear another
+inline const std::set<std::string> all{bodies, clocks, clock_step, connect_all, crash_point, ends,
+                                       fail,   forget, lie,        part,        replace,     silence};
 }  // namespace fault
 
 struct Plan {
@@ -145,6 +148,8 @@ struct Plan {
 
 /// A round of about `steps` steps, and those that mend at the end whatever is broken.
 Plan make_plan(std::uint64_t seed, int steps, const std::set<std::string>& faults = {});
+/// Of these: for many seeds few or none, for some many. The plan of the same seed and faults does not depend on it.
+std::set<std::string> draw_faults(std::uint64_t seed, const std::set<std::string>& faults);
 /// The options that make this plan again: "--seed 17 --steps 14 --with part".
 std::string options_of(const Plan& plan);
 std::string to_text(const Topology& topology);

@@ -56,14 +56,17 @@ void print_shrunk(const Plan& plan, const Played& played, const Play& play)
     print(shorter, play(shorter));
 }
 
-int play_rounds(const Options& options, const std::string& program, const Play& play)
+int play_rounds(const Options& options, const std::string& program, const Play& play,
+                const std::set<std::string>& faults)
 {
     const auto first = options.seed ? *options.seed : options.from ? *options.from : std::random_device()();
     const int rounds = options.rounds > 0 ? options.rounds : options.seed ? 1 : std::numeric_limits<int>::max();
     const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(options.seconds);
     std::size_t seeds = 0, steps = 0, failed = 0;
     for (int i = 0; i < rounds && (options.rounds > 0 || options.seed || std::chrono::steady_clock::now() < end); ++i) {
-        const auto plan = make_plan(first + static_cast<std::uint64_t>(i), options.steps, options.faults);
+        const auto seed = first + static_cast<std::uint64_t>(i);
+        const auto plan =
+            make_plan(seed, options.steps, options.faults.empty() ? draw_faults(seed, faults) : options.faults);
         const auto played = options.plan_only ? Played{plan.steps.size(), {}, {}} : play(plan);
         ++seeds;
         steps += played.steps;
@@ -96,10 +99,13 @@ int play_rounds(CLI::App& app, int argc, char** argv, const Play& play, const st
     app.add_option("--until", options.until, "go on after a round that failed, but for one with this in a problem");
     app.add_flag("--plan", options.plan_only, "print the rounds and play none");
     app.add_flag("--shrink", options.shrink, "leave out steps of a round that failed while it fails in the same way");
+    auto words = faults;
+    words.insert(fault::none);
     if (!faults.empty())
-        app.add_option("--with", options.faults, "further faults, or one of them")->check(CLI::IsMember(faults));
+        app.add_option("--with", options.faults, "these further faults instead of some drawn from the seed")
+            ->check(CLI::IsMember(words));
     CLI11_PARSE(app, argc, argv);
-    return play_rounds(options, app.get_name(), play);
+    return play_rounds(options, app.get_name(), play, faults);
 }
 
 }  // namespace hive::mixtures

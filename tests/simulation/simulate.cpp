@@ -6,8 +6,6 @@
 #include <iomanip>
 #include <iostream>
 
-namespace fault = hive::mixtures::fault;
-
 int main(int argc, char** argv)
 {
     using Seconds = std::chrono::duration<double>;
@@ -28,10 +26,7 @@ int main(int argc, char** argv)
             std::cout << "digest " << std::hex << played.digest << std::dec << "\n";
         return played;
     };
-    const int code = hive::mixtures::play_rounds(app, argc, argv, play,
-                                                 {fault::bodies, fault::clocks, fault::clock_step, fault::connect_all,
-                                                  fault::crash_point, fault::ends, fault::fail, fault::forget,
-                                                  fault::lie, fault::part, fault::replace, fault::silence});
+    const int code = hive::mixtures::play_rounds(app, argc, argv, play, hive::mixtures::fault::all);
     const Seconds took = std::chrono::steady_clock::now() - begin;
     std::cout << std::fixed << std::setprecision(0) << "a second: " << static_cast<double>(histories) / took.count()
               << " histories, " << simulated / took << " simulated seconds, "

@@ -110,3 +110,20 @@ TEST_CASE("mixtures: every step of a plan can be done where it stands, and at th
     }
     CHECK(used.size() == static_cast<std::size_t>(Verb::rest) + 1);
 }
+
+TEST_CASE("mixtures: each seed draws its faults, and many draw none")
+{
+    std::map<std::size_t, int> seeds;
+    std::set<std::string> used;
+    for (std::uint64_t seed = 0; seed < 1000; ++seed) {
+        const auto drawn = draw_faults(seed, fault::all);
+        CHECK(drawn == draw_faults(seed, fault::all));
+        ++seeds[drawn.contains(fault::none) ? 0 : drawn.size()];
+        used.insert(drawn.begin(), drawn.end());
+    }
+    CHECK(used.size() == fault::all.size() + 1);
+    CHECK(seeds[0] > 300);
+    CHECK(seeds[1] > 60);
+    CHECK(seeds[6] > 30);
+    CHECK(draw_faults(1, {}).empty());
+}

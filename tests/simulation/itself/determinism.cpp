@@ -29,10 +29,7 @@ TEST_CASE("the same seed gives the same history, alone and after others; another
 
 TEST_CASE("the same seed gives the same history with every fault")
 {
-    using namespace mixtures;
-    for (const auto& fault :
-         {fault::bodies, fault::clocks, fault::clock_step, fault::connect_all, fault::crash_point, fault::ends,
-          fault::fail, fault::forget, fault::lie, fault::part, fault::replace, fault::silence})
+    for (const auto& fault : mixtures::fault::all)
         for (std::uint64_t seed = 1; seed <= 2; ++seed) {
             CAPTURE(fault);
             const auto first = digest_of(seed, {fault});
