@@ -13,6 +13,7 @@ namespace hive::mixtures {
 
 inline const std::string source = "source", watcher = "watcher", hearer = "hearer", recorder = "recorder",
                          forker = "fork", joiner = "pair";
+inline const std::string liar = "liar-";  ///< begins the names of peers that lie
 
 /// That the source of a round with bodies supports: it leaves out the second half of a body.
 inline const std::string half_encoding = "half";

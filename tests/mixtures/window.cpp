@@ -39,10 +39,11 @@ void Window::look(const std::string& drone, const InputStatus& input, Problems& 
 
 /// A sender is not told what was worked on, only what is done. The two are the same where nobody waits for results, and
 /// where the receiver finishes in order: a second answer is refused before what is in hand, as is work when a drone
-/// halts.
+/// halts. A peer that lies tells what it likes.
 bool Window::tells_all(const std::string& sender, const EdgeStatus& edge) const
 {
-    if (edge.group || !edge.connected || !is_synchronized(edge.options) || !edge.options.group.empty())
+    if (edge.group || !edge.connected || !is_synchronized(edge.options) || !edge.options.group.empty()
+        || edge.receiver.starts_with(liar))
         return false;
     const bool no_results = !lossless_ || edge.options.delivery == Delivery::notification;
     return is_application(edge.receiver) || (sender == source && no_results);

@@ -69,7 +69,7 @@ void SimulatedGround::lie_sometimes()
     const auto dead = [](const Process* guest) { return guest->dead; };
     if (!has(mixtures::fault::lie) || !std::ranges::all_of(guests_, dead) || names.empty() || !world_.chance(40))
         return;
-    const auto name = "liar-" + std::to_string(++liars_);
+    const auto name = mixtures::liar + std::to_string(++liars_);
     Process *liar = nullptr, *victim = nullptr;
     if (world_.chance(60)) {
         const auto from = names[world_.chance_of(names.size())];
