@@ -46,7 +46,7 @@ HIVE_API hive_code hive_swarm_export(hive_swarm* swarm, const char* form, const 
    "stop", "drone" (of a connection: the receiver), "what": "face-1 scale=1.05"}, ...]; of a restart, a change and a set
    also "values" and what they were, "before", of connections "sender", "receiver" and "options". HIVE_NAME_TAKEN if a
    name in the file belongs to another kind of drone, or to one on another machine, that this swarm did not have
-   before. */
+   before; HIVE_REFUSED if an engine cannot start a drone from here. */
 HIVE_API hive_code hive_swarm_differences(hive_swarm* swarm, char** json, size_t* length);
 /* Starts missing drones, restarts those that only a new process can change, waits until they answer, then changes,
    sets, connects, disconnects and stops what differs: all or nothing. `timeout_ms` is for all drones to be ready.

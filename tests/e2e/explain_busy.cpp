@@ -2,8 +2,6 @@
 // so it runs alone.
 #include "explained.hpp"
 
-#include <possible.hpp>
-
 #include <doctest/doctest.h>
 
 #include <unistd.h>
@@ -48,7 +46,7 @@ TEST_CASE("explain: a machine whose processors are all busy, with who uses them"
     REQUIRE(eventually([&] { return !(load = full("explain")).is_null() && load.at("command") != "hivectl top"; }));
     CHECK_MESSAGE(has(load.at("command").get<std::string>(), "hivectl halt hog"), load.dump());
     CHECK(Shell(swarm).run(load.at("command")).exit_code == 0);
-    // Other tests may go on using processors, so that the other drone is named next, and in the end their programs.
+    // The other hogs may be named next, and in the end other programs.
     CHECK(eventually([&] {
         load = full("explain");
         return load.is_null() || load.at("command") == "hivectl top"

@@ -12,7 +12,7 @@ import pathlib
 import sys
 
 REQUIRED = 0.95
-PROGRAMS = {"e2e_explain", "e2e_explain_machines"}
+PROGRAMS = {"e2e_explain", "e2e_explain_busy", "e2e_explain_machines"}
 SKIPPED = 77  # the exit code of a test that lacks something
 # What must be injected: a cause, and words in its case, sentence or evidence that tell it from others of that name.
 CAUSES = [

@@ -1,4 +1,3 @@
-// Counting the events of three outputs.
 #include "branch.hpp"
 
 namespace hive::mixtures {

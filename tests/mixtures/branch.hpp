@@ -6,6 +6,8 @@
 
 #include <swarm.hpp>
 
+#include <map>
+#include <memory>
 #include <thread>
 
 namespace hive::mixtures {

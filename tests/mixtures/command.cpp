@@ -1,4 +1,3 @@
-// The process, and its output.
 #include "command.hpp"
 
 namespace hive::mixtures {

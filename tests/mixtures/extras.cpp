@@ -1,4 +1,3 @@
-// From a seed to what is beside the plan.
 #include "extras.hpp"
 #include "plan.hpp"
 #include "random.hpp"

@@ -1,4 +1,3 @@
-// Learning from results what the source had made before each epoch.
 #include "numbering.hpp"
 
 #include <iterator>

@@ -1,4 +1,3 @@
-// Printed lines beside the outcomes that the collector got.
 #include "printed.hpp"
 
 #include <sstream>

@@ -1,4 +1,3 @@
-// Counting what came of each event.
 #include "received.hpp"
 
 namespace hive::mixtures {

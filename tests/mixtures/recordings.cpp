@@ -1,4 +1,3 @@
-// Files, events and the end of each file.
 #include "recordings.hpp"
 
 #include <hive/event_text.hpp>

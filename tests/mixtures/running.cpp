@@ -8,6 +8,7 @@
 #include <csignal>
 #include <fstream>
 #include <future>
+#include <stdexcept>
 #include <sys/prctl.h>
 #include <thread>
 
@@ -99,7 +100,8 @@ void Running::start(const std::string& drone, bool remembers)
 /// second one lets it go.
 void Running::up(bool halted)
 {
-    ::prctl(PR_SET_CHILD_SUBREAPER, 1);  // their exit codes are for this process
+    if (::prctl(PR_SET_CHILD_SUBREAPER, 1) != 0)  // their exit codes are for this process
+        throw std::runtime_error("cannot become a subreaper");
     const auto file = swarm_.home() / "round.json";
     std::ofstream(file) << swarm_file(topology_, [&](const std::string& drone) {
         return FileDrone{kind_of(drone), first_settings(drone), halted && drone == source};

@@ -11,7 +11,10 @@
 #include <swarm.hpp>
 
 #include <algorithm>
+#include <map>
+#include <optional>
 #include <set>
+#include <thread>
 
 namespace hive::mixtures {
 

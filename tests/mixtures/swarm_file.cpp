@@ -1,4 +1,3 @@
-// Drones and connections as JSON.
 #include "swarm_file.hpp"
 
 #include <nlohmann/json.hpp>

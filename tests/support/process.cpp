@@ -131,7 +131,13 @@ Process::Process(const std::vector<std::string>& words, const std::vector<std::s
 
 Process::Process(pid_t pid) : pid_(pid), watch_(static_cast<int>(::syscall(SYS_pidfd_open, pid, 0))) {}
 
-Process Process::adopted(pid_t pid) { return Process(pid); }
+Process Process::adopted(pid_t pid)
+{
+    siginfo_t exited{};
+    if (::waitid(P_PID, static_cast<id_t>(pid), &exited, WEXITED | WNOHANG | WNOWAIT) != 0)
+        throw std::runtime_error("process " + std::to_string(pid) + " is no child of this one");
+    return Process(pid);
+}
 
 Process::~Process()
 {

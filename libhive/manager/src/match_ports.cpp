@@ -35,8 +35,8 @@ std::string types_of(const std::vector<const Port*>& ports)
 
 }  // namespace
 
-std::vector<PortPair> fitting_ports(const Endpoint& sender, const Interface& from, const Endpoint& receiver,
-                                    const Interface& to)
+std::vector<PortPair> matching_ports(const Endpoint& sender, const Interface& from, const Endpoint& receiver,
+                                     const Interface& to)
 {
     std::vector<PortPair> pairs;
     for (const auto* output : ports_of(from.outputs, sender, "output"))
@@ -48,7 +48,7 @@ std::vector<PortPair> fitting_ports(const Endpoint& sender, const Interface& fro
 
 PortPair match_ports(const Endpoint& sender, const Interface& from, const Endpoint& receiver, const Interface& to)
 {
-    const auto pairs = fitting_ports(sender, from, receiver, to);
+    const auto pairs = matching_ports(sender, from, receiver, to);
     if (pairs.size() == 1)
         return pairs.front();
     if (pairs.size() > 1)

@@ -274,13 +274,15 @@ bool is_of_this_machine(const Address& address)
     const auto number = asio::ip::make_address(address.host, error);
     if (error)
         return true;
-    asio::io_context context;
     const Endpoint any_port(number, 0);
-    auto socket = open_socket(context, any_port.protocol().family());
-    return ::bind(socket.native_handle(), reinterpret_cast<const sockaddr*>(any_port.data()),
-                  static_cast<socklen_t>(any_port.size()))
-               == 0
-           || errno != EADDRNOTAVAIL;
+    const int socket = ::socket(any_port.protocol().family(), SOCK_STREAM | SOCK_CLOEXEC, 0);
+    if (socket < 0)
+        return errno != EAFNOSUPPORT;
+    const bool has =
+        ::bind(socket, reinterpret_cast<const sockaddr*>(any_port.data()), static_cast<socklen_t>(any_port.size())) == 0
+        || errno != EADDRNOTAVAIL;
+    ::close(socket);
+    return has;
 }
 
 void dial_tcp(asio::io_context& context, const Address& address, Milliseconds deadline, OnDialed on_dialed,

@@ -1,4 +1,4 @@
-// Events of a source that ends and continues.
+// Tests how events are numbered whose source ends and continues.
 #include "../numbering.hpp"
 
 #include <doctest/doctest.h>

@@ -1,4 +1,4 @@
-// The lines and the exit code of a second collector.
+// Tests what a second collector printed, and its exit code.
 #include "../printed.hpp"
 
 #include <doctest/doctest.h>

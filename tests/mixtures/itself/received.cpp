@@ -1,4 +1,4 @@
-// What bystanders of a source must have received.
+// Tests what bystanders of a source must have received.
 #include "../received.hpp"
 
 #include <doctest/doctest.h>

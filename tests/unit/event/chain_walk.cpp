@@ -10,8 +10,9 @@
 #include <hive/event/receiver_table.hpp>
 #include <hive/event/ticket.hpp>
 
+#include <deque>
 #include <list>
-#include <map>
+#include <memory>
 #include <set>
 
 namespace hive::event {
@@ -426,9 +427,12 @@ private:
     void decide(Drone& from, Call call)
     {
         const auto decisions = decided(call);
-        for (const auto& send : decisions.sends)
-            if (Line& line = *std::ranges::find(lines_, send.receiver, &Line::id); line.connected)
-                line.down.push_back(send);
+        for (const auto& send : decisions.sends) {
+            const auto line = std::ranges::find(lines_, send.receiver, &Line::id);
+            hold(line != lines_.end(), "only who is registered is sent something");
+            if (line->connected)
+                line->down.push_back(send);
+        }
         for (const auto& event : decisions.failed)
             reported_.insert(sequence_of(event));
         for (Line& line : lines_)

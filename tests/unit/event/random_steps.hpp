@@ -1,15 +1,19 @@
-// Many random steps of which each must leave the promises kept. A failure names the seed, and the steps that are left
-// when those are left out without which it fails as well. HIVE_TEST_SEED=... walks the same way again, with
-// HIVE_TEST_KEPT="3 17" only these steps of it, with HIVE_TEST_STEPS=... a longer way.
+// Many random steps of which each must leave the promises kept. A failure prints the seed and a shorter list of steps
+// that fails as well. HIVE_TEST_SEED=... repeats a walk, HIVE_TEST_KEPT="3 17" only these steps of it, and
+// HIVE_TEST_STEPS=... sets its length.
 #pragma once
 
 #include "fixtures.hpp"
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <array>
+#include <chrono>
 #include <cstdlib>
+#include <iterator>
 #include <numeric>
+#include <optional>
 #include <random>
 #include <sstream>
 #include <stdexcept>

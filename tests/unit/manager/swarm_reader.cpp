@@ -396,7 +396,7 @@ TEST_CASE("swarm file: an address to listen at that this machine does not have")
     CHECK_EQ(drone("192.0.2.1:7700"),
              "2:35: \"tcp://192.0.2.1:7700\": this machine does not have this address; for all "
              "of its addresses: \"listen\": \"tcp://0.0.0.0\"\n");
-    for (const std::string own : {"127.0.0.1", "0.0.0.0", "0.0.0.0:7700", "[::]", "a-name-that-may-be-ours"})
+    for (const std::string own : {"127.0.0.1", "0.0.0.0", "0.0.0.0:7700", "a-name-that-may-be-ours"})
         CHECK_EQ(drone(own), "");
     CHECK_EQ(drone("192.0.2.1", ", \"on\": \"m1\""), "");
 }

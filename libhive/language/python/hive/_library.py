@@ -126,7 +126,9 @@ def _on_main_thread() -> bool:
 
 def _check(code: int, _function: Any, _arguments: Any) -> int:
     if _raised and _on_main_thread():
-        raise _raised.pop()
+        raised = _raised.pop()
+        _raised.clear()  # of several, one is raised
+        raise raised
     if code != 0:
         raise _error()
     return code

@@ -156,7 +156,7 @@ class Swarm(Owner, Closing):
         "sender", "receiver", "options".
 
         :raises hive.Error: "name_taken" if a name belongs to another kind of drone, or to one on another machine, that
-            this swarm did not have before
+            this swarm did not have before; "refused" if an engine cannot start a drone from here
         """
         steps: list[dict[str, Any]] = ask(lib.hive_swarm_differences, self._opened())
         return steps

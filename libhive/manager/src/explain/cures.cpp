@@ -235,7 +235,9 @@ std::optional<Cause> unconnected_pair(Application& application, const Endpoint& 
                                     std::string(error.what()) + "; the other way round they fit", turned)
                        : pair_cause(What::wrong_types, receiver, error.what(),
                                     "hivectl describe " + sender.drone + " " + receiver.drone);
-        const auto [output, input] = fitting_ports(sender, from, receiver, to).front();  // the first of several
+        if (error.code() != Errc::invalid_argument)
+            throw;
+        const auto [output, input] = matching_ports(sender, from, receiver, to).front();  // the first of several
         return pair_cause(What::not_connected, receiver, sender.drone + " is not connected to " + receiver.drone,
                           "hivectl connect " + to_text(Endpoint{sender.drone, output->name}) + " "
                               + to_text(Endpoint{receiver.drone, input->name}));
