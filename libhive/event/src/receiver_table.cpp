@@ -180,10 +180,10 @@ void ReceiverTable::inherit(const Newcomer& newcomer, Clock::time_point now, Dec
     const Seat& seat = seats_.at(newcomer.id);
     for (Plain& plain : plain_)
         if (seat.group && plain.receiver == newcomer.receiver && !plain.subscription.present())
-            seat.subscription().adopt(std::move(plain.subscription), now, decisions);
+            seat.subscription().adopt(std::move(plain.subscription), false, now, decisions);
     for (auto& [name, group] : groups_)
         if (&group != seat.group && was_last(group, newcomer, now, decisions) && !seat.is_back)
-            seat.subscription().adopt(std::move(group.subscription), now, decisions);
+            seat.subscription().adopt(std::move(group.subscription), false, now, decisions);
 }
 
 /// Was it the last member of this group, which waits for no other?
@@ -256,7 +256,7 @@ void ReceiverTable::depart(Id id, Fate how, bool returns, Clock::time_point now,
         const bool last = !subscription.present();
         subscription.detach(id, last ? Fate::lost_connection : how, true, now, decisions);
         if (last)
-            heir->second.subscription().adopt(std::move(subscription), now, decisions);
+            heir->second.subscription().adopt(std::move(subscription), how == Fate::lost_left, now, decisions);
     }
     departed(seat, how, heir != seats_.end(), now, decisions);
     forget_awaited();

@@ -258,12 +258,16 @@ Subscription::Job Subscription::leave_with(std::int64_t number)
 }
 
 /// Nothing moves from a passive subscription: its events were only for display, and may have no body.
-void Subscription::adopt(Subscription&& other, Clock::time_point now, Decisions& decisions)
+void Subscription::adopt(Subscription&& other, bool left, Clock::time_point now, Decisions& decisions)
 {
     if (other.passive())
         return other.end_live(Fate::lost_left);
-    if (auto away = std::exchange(other.away_, std::nullopt))
+    if (auto away = std::exchange(other.away_, std::nullopt)) {
+        for (const auto& handed : away->was.hands)
+            if (const auto job = other.open_.find(handed.job); job != other.open_.end())
+                job->second.in_doubt = !left;
         other.take_back(*away, away->was.credit.done());
+    }
     other.abandon_exhausted(decisions);
     for (const auto number : std::set(other.again_)) {
         open_[++jobs_] = other.leave_with(number);

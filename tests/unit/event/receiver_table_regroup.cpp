@@ -56,6 +56,27 @@ TEST_CASE("regroup: what a plain receiver has in hand and does not do goes to th
     CHECK(world.table.demand().asked);
 }
 
+TEST_CASE("regroup: what a plain receiver may have answered when its connection was lost is not given up in its group")
+{
+    World world;
+    world.add(face(1, window(2)));
+    world.offer(1, true);
+    world.offer(2, true);
+    world.add(face(2, sharing(4)));
+    SUBCASE("lost")
+    {
+        CHECK(world.lose(1, Fate::lost_connection) == Got{{2, {1, 2}}});
+        world.leave(2);
+        CHECK(world.failed.empty());
+    }
+    SUBCASE("left: it answers nothing more")
+    {
+        CHECK(world.leave(1) == Got{{2, {1, 2}}});
+        world.leave(2);
+        CHECK(world.failed == Sequences{1, 2});
+    }
+}
+
 TEST_CASE("regroup: what a receiver has in hand goes to where it stands now, also when it changed twice meanwhile")
 {
     World world;

@@ -251,7 +251,7 @@ private:
         regrouped_ = true;
         away_.reset();
         Subscription other(kind());
-        decide([&](Decisions& to) { other.adopt(std::move(*subscription_), now_, to); });
+        decide([&](Decisions& to) { other.adopt(std::move(*subscription_), false, now_, to); });
         hold(subscription_->ledger().in_flight() == 0, "all of it goes along");
         subscription_.emplace(std::move(other));
         attach();

@@ -108,7 +108,8 @@ public:
     /// The consumer gets nothing more; it still acknowledges its deliveries, and then leaves.
     void retire(ReceiverId id) { consumers_.at(id).retired = true; }
     /// Moves the waiting events of another subscription, which will have no consumer, to this one.
-    void adopt(Subscription&& other, Clock::time_point now, Decisions& decisions);
+    /// @param left  its last consumer has deregistered, so it answers nothing more
+    void adopt(Subscription&& other, bool left, Clock::time_point now, Decisions& decisions);
     /// The source stops waiting for a consumer, and stops counting its missed events.
     void cancel(Decisions& decisions);
     /// Its consumer was absent for too long: waiting events are lost, and further missed ones are counted.
