@@ -265,7 +265,7 @@ void Subscription::adopt(Subscription&& other, bool left, Clock::time_point now,
     if (auto away = std::exchange(other.away_, std::nullopt)) {
         for (const auto& handed : away->was.hands)
             if (const auto job = other.open_.find(handed.job); job != other.open_.end())
-                job->second.in_doubt = !left;
+                job->second.in_doubt = job->second.in_doubt || !left;
         other.take_back(*away, away->was.credit.done());
     }
     other.abandon_exhausted(decisions);

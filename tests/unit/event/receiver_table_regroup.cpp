@@ -75,6 +75,16 @@ TEST_CASE("regroup: what a plain receiver may have answered when its connection 
         world.leave(2);
         CHECK(world.failed == Sequences{1, 2});
     }
+    SUBCASE("lost, and left when it had changed back and again")
+    {
+        world.lose(1, Fate::lost_connection);
+        world.add(face(3, window(2)));
+        CHECK(world.leave(2) == Got{{3, {1, 2}}});
+        world.add(face(4, sharing(4)));
+        CHECK(world.leave(3) == Got{{4, {1, 2}}});
+        world.leave(4);
+        CHECK(world.failed.empty());
+    }
 }
 
 TEST_CASE("regroup: what a receiver has in hand goes to where it stands now, also when it changed twice meanwhile")
