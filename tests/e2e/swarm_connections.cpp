@@ -214,7 +214,7 @@ void bring_up_all(const Json& source, bool encoded)
     };
     bring_up(false);
     swarm.check_no_event_is_lost();
-    bring_up(true);  // no source waits for who is only notified
+    bring_up(true);  // a source waits for no receiver of notifications
 }
 
 }  // namespace
@@ -226,7 +226,7 @@ TEST_CASE("up: each option of a connection that a file changes runs as in a swar
     bring_up_all({{"kind", "ticker"}, {"set", {{"pace", "demand"}}}}, false);
 }
 
-TEST_CASE("up: an encoding that a file changes, alone or with another option, runs as in a swarm that is started anew")
+TEST_CASE("up: an encoding that a file changes, alone or with another option, runs as in a fresh swarm")
 {
     bring_up_all({{"kind", "camera"}, {"set", {{"pace", "demand"}, {"width", 64}, {"height", 64}}}}, true);
 }

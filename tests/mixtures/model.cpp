@@ -9,11 +9,11 @@
 //   - The source is killed or stopped: what it had produced in that life.
 //   - A plain drone is disconnected or stopped by order: what it has not answered, and what is produced until it is
 //     connected again.
-//   - The last member of a group leaves a worker by order: nobody is left who receives that worker. If it leaves the
-//     source, the source goes on for its bystanders.
-//   - A sender starts anew, and two or more plain drones or collectors receive it: it does not know them before they
-//     have come back, so what it sends meanwhile reaches only those that have.
-//   - A drone whose code throws starts anew: exceptions wait for nobody, and who hears them has to come back first.
+//   - The last member of a group is disconnected from a worker by order, so the worker has no receiver. If it was the
+//     source, the source continues for its bystanders.
+//   - A sender is restarted, and two or more plain drones or collectors receive from it: it does not know them until
+//     they reconnect, so what it sends meanwhile reaches only those that have.
+//   - A drone whose code throws is restarted: exceptions wait for no receiver, and who receives them reconnects later.
 //   - Two machines are parted, or a drone is dead meanwhile, for so long that a place may be given up.
 //
 // Not promised: that an event which a drone gives up has no result besides this exception. The drone may be killed or

@@ -179,7 +179,7 @@ class Swarms(World):
             sys.setprofile(raise_there)
             try:
                 hive.Swarm(sys.argv[1]).up(60.0, lambda done, all, what: None)
-                sys.exit("nobody has interrupted it")
+                sys.exit("it was not interrupted")
             except KeyboardInterrupt:
                 sys.setprofile(None)
             """

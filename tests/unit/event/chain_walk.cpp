@@ -429,7 +429,7 @@ private:
         const auto decisions = decided(call);
         for (const auto& send : decisions.sends) {
             const auto line = std::ranges::find(lines_, send.receiver, &Line::id);
-            hold(line != lines_.end(), "only who is registered is sent something");
+            hold(line != lines_.end(), "only a registered receiver is sent an event");
             if (line->connected)
                 line->down.push_back(send);
         }
@@ -447,7 +447,8 @@ private:
     Clock::time_point now_ = start;
     ReceiverId last_id_ = 0;
     std::int64_t sequence_ = 0, registrations_ = 0;
-    /// Of a live event that is dispatched again, the result may come over one share more, which nobody recognises.
+    /// Of a live event that is dispatched again, a second result may have one share more, so the filter does not
+    /// recognise it.
     bool regrouped_ = false;
     std::deque<Told> told_;  // outlives what holds tickets
     std::list<Line> lines_;

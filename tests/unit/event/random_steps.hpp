@@ -40,7 +40,7 @@ public:
     }
 
 private:
-    /// SplitMix64, which begins anew in no time.
+    /// SplitMix64: it is cheap to seed.
     std::uint64_t thrown()
     {
         auto mixed = state_ += 0x9e3779b97f4a7c15;
