@@ -231,6 +231,34 @@ TEST_CASE("up: an encoding that a file changes, alone or with another option, ru
     bring_up_all({{"kind", "camera"}, {"set", {{"pace", "demand"}, {"width", 64}, {"height", 64}}}}, true);
 }
 
+TEST_CASE("up: drones that a changed file restarts lose and repeat nothing of a source on demand")
+{
+    const auto content = [](const Json& restarted, int round) {
+        auto file = file_with({{"kind", "ticker"}, {"set", {{"pace", "demand"}}}}, Json::object());
+        for (const auto& drone : restarted)
+            file["drones"][drone.get<std::string>()]["log_level"] = round % 2 == 0 ? "debug" : "warning";
+        return file;
+    };
+    const Swarm swarm;
+    const File file(swarm, content(Json::array(), 0));
+    steps(swarm, file);
+    Results results(swarm, {{"a", "result"}, {"b", "result"}});
+    Results join(swarm, {{"join", "counts"}});
+    const auto passed = [](Results& all, std::int64_t event) {
+        return eventually([&] { return all.newest() > event + 200; });
+    };
+    for (int round = 0; round < 6; ++round) {
+        file.write(content(round % 3 == 0 ? Json{"a"} : round % 3 == 1 ? Json{"a", "b"} : Json{"join"}, round));
+        CHECK_FALSE(steps(swarm, file).empty());
+        CHECK(steps(swarm, file).empty());
+    }
+    const auto of_results = results.newest(), of_join = join.newest();
+    CHECK(passed(results, of_results));
+    CHECK(passed(join, of_join));
+    CHECK_EQ(Json(results.wrong(of_results, 2)), Json(std::map<std::int64_t, int>()));
+    CHECK_EQ(Json(join.wrong(of_join, 2)), Json(std::map<std::int64_t, int>()));
+}
+
 TEST_CASE("up: members that change their group, and are restarted meanwhile, lose and repeat nothing of a source on "
           "demand")
 {

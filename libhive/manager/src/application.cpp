@@ -230,6 +230,17 @@ try {
 
 std::vector<Answer> Application::stop(const std::vector<std::string>& drones, const std::string& swarm)
 {
+    return stop(drones, swarm, swarm.empty() ? Json::object() : Json{{"swarm", swarm}});
+}
+
+std::vector<Answer> Application::stop_to_restart(const std::vector<std::string>& drones)
+{
+    return stop(drones, "", {{"returns", true}});
+}
+
+std::vector<Answer> Application::stop(const std::vector<std::string>& drones, const std::string& swarm,
+                                      const Json& header)
+{
     const auto until = core_->deadline();
     std::vector<std::string> running;
     std::set<std::string> left_alone;
@@ -246,7 +257,7 @@ std::vector<Answer> Application::stop(const std::vector<std::string>& drones, co
             running.push_back(drone);
     }
     const auto places = core_->places_or_errors(running);
-    auto stopped = core_->ask_all(running, PacketType::stop, swarm.empty() ? Json::object() : Json{{"swarm", swarm}});
+    auto stopped = core_->ask_all(running, PacketType::stop, header);
     forgive_haste(stopped);
     std::vector<Answer> answers;
     for (std::size_t asked = 0; const auto& drone : drones) {

@@ -73,7 +73,7 @@ DroneCore::Running::Running(DroneCore& core)
                 .module = module,
                 .worker = worker,
                 .end = [&core] { core.end(); },
-                .hand_over = [&core] { core.hand_over(); },
+                .hand_over = [&core](std::chrono::seconds grace) { core.hand_over(grace); },
                 .order = core.settings_.order})
 {
 }
@@ -296,7 +296,7 @@ void DroneCore::end()
 }
 
 /// On the network side. As in a halt nothing more is requested, and shared work that was not started is returned.
-void DroneCore::hand_over()
+void DroneCore::hand_over(std::chrono::seconds grace)
 {
     if (!board_.hand_over())
         return;
@@ -304,7 +304,7 @@ void DroneCore::hand_over()
     mailbox_.discard(event::came_to_member);
     mailbox_.nudge();
     if (settings_.ends_process)
-        watchdog_.begin(running_->home.path(self_.name, ".sock"), service::ShutdownWatchdog::hand_over_timeout);
+        watchdog_.begin(running_->home.path(self_.name, ".sock"), grace);
 }
 
 Json DroneCore::left_state(const event::Home& home) const

@@ -164,14 +164,18 @@ void Requests::on_stop(const Incoming& incoming)
     if (const auto owner = parts_.board.values().swarm; fields.has("swarm") && fields.name("swarm") != owner)
         throw Error(Errc::refused, parts_.module.self().name + " was brought up by "
                                        + (owner.empty() ? "no swarm" : "the swarm " + owner));
+    const bool returns = fields.flag_or("returns", false);
     if (!fields.flag_or("successor", false)) {
         incoming.answer(Json::object());
-        return parts_.end();
+        if (!returns)
+            return parts_.end();
+        parts_.hand_over(ShutdownWatchdog::stop_timeout);
+        return state_file_.remember_without_settings();
     }
     if (const auto& name = parts_.module.self().name; !parts_.home.succession(name))
         throw Error(Errc::refused, "no process waits to take over " + name);
     incoming.answer(Json{{"halted", parts_.board.halted()}});
-    parts_.hand_over();
+    parts_.hand_over(ShutdownWatchdog::hand_over_timeout);
 }
 
 }  // namespace hive::service

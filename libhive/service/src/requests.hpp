@@ -21,10 +21,10 @@ public:
         const Listening& listening;
         event::Mailbox& mailbox;
         event::Module& module;
-        Worker& worker;                   ///< for commands, and to halt it
-        std::function<void()> end;        ///< stops the drone
-        std::function<void()> hand_over;  ///< stops it in favour of a successor
-        const DroneOrder& order;          ///< the drone's start configuration
+        Worker& worker;                                       ///< for commands, and to halt it
+        std::function<void()> end;                            ///< stops the drone
+        std::function<void(std::chrono::seconds)> hand_over;  ///< stops it within this time; another process continues
+        const DroneOrder& order;                              ///< the drone's start configuration
     };
     explicit Requests(Parts parts);
 

@@ -72,7 +72,9 @@ try {
     const auto state = home.read_state(self.name);
     if (!state)
         return Json::object();
-    if (const auto kind = Fields(*state, "state").text("kind"); kind != self.kind && other == OtherKind::leave_out) {
+    const Fields fields(*state, "state");
+    if (const auto kind = fields.text("kind");
+        kind != self.kind && other == OtherKind::leave_out && !fields.flag_or("any_kind", false)) {
         reporter.log(LogLevel::warning,
                      "ignored the saved state of a drone of this name and of kind " + in_quotes(kind));
         return Json::object();
@@ -109,6 +111,12 @@ void StateFile::remember()
     }
 }
 
+void StateFile::remember_without_settings()
+{
+    without_settings_ = true;
+    remember();
+}
+
 void StateFile::subscribers_changed()
 {
     if (module_.subscribers() != subscribers_)
@@ -126,14 +134,17 @@ Json StateFile::state() const
             spec.options = intake->confirmed_options();
             connections.push_back(connection_json(spec));
         }
-    Json state = listening_.saved();
-    state.update({{"kind", declaration_.interface.kind},
-                  {"epoch", module_.self().epoch},
-                  {"parameters", declaration_.parameters.changed()},
-                  {"connections", connections},
-                  {"subscribers", subscribers},
-                  {"policy", token(board_.policy())},
-                  {"swarm", board_.values().swarm}});
+    Json state{{"kind", declaration_.interface.kind},
+               {"epoch", module_.self().epoch},
+               {"connections", connections},
+               {"subscribers", subscribers},
+               {"swarm", board_.values().swarm}};
+    if (without_settings_) {
+        state["any_kind"] = true;
+        return state;
+    }
+    state.update(listening_.saved());
+    state.update({{"parameters", declaration_.parameters.changed()}, {"policy", token(board_.policy())}});
     return state;
 }
 

@@ -36,7 +36,9 @@ public:
 
     /// Saves the current state. If that fails, the drone continues without, and reports it once.
     void remember();
-    /// The same, if the subscribers have changed.
+    /// Saves the connections and subscribers for a process that gets all its settings from elsewhere.
+    void remember_without_settings();
+    /// The same as remember(), if the subscribers have changed.
     void subscribers_changed();
 
 private:
@@ -49,7 +51,8 @@ private:
     const Listening& listening_;
     Reporter& reporter_;
     std::vector<event::Subscriber> subscribers_;  ///< as written
-    bool forgetful_ = false;                      ///< the state cannot be written, and that was reported
+    bool without_settings_ = false;
+    bool forgetful_ = false;  ///< the state cannot be written, and that was reported
 };
 
 }  // namespace hive::service

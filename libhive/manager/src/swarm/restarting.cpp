@@ -23,10 +23,35 @@ std::vector<SwarmFailure> Restarting::run(std::chrono::milliseconds timeout, con
     if (drones_.empty())
         return {};
     begun_ = true;
-    auto failures = failures_in(application_.stop(drones_));
+    auto failures = stop();
     if (failures.empty())
         failures = now_.run(drones_, timeout, watch);
     return failures.empty() ? connect(differences_.kept) : failures;
+}
+
+/// What waits for a drone that comes back loses nothing meanwhile. A drone that moves leaves no state behind on its
+/// machine.
+std::vector<SwarmFailure> Restarting::stop()
+{
+    std::vector<std::string> back, moved;
+    for (const auto& step : differences_.steps)
+        if (step.what == SwarmStep::What::restart)
+            (step.values.contains("on") ? moved : back).push_back(step.drone);
+    for (const auto& connection : differences_.ran.connections)
+        if (std::ranges::none_of(differences_.kept,
+                                 [&](const SwarmConnection& kept) { return same_ends(kept, connection); }))
+            disconnect(connection);
+    auto failures = failures_in(application_.stop_to_restart(back));
+    std::ranges::move(failures_in(application_.stop(moved)), std::back_inserter(failures));
+    return failures;
+}
+
+void Restarting::disconnect(const SwarmConnection& connection)
+try {
+    application_.disconnect(connection.from, connection.to);
+} catch (const Error& error) {
+    if (error.code() != Errc::not_found)
+        throw;
 }
 
 std::vector<SwarmFailure> Restarting::undo()

@@ -17,6 +17,8 @@ public:
     std::vector<SwarmFailure> undo();
 
 private:
+    std::vector<SwarmFailure> stop();
+    void disconnect(const SwarmConnection& connection);
     std::vector<SwarmFailure> connect(const std::vector<SwarmConnection>& connections);
 
     Application& application_;
