@@ -105,11 +105,12 @@ bool InputProgress::urgent(std::int64_t worked, bool more, bool waits) const
     return more || (worked > told_.worked && !options_.group.empty()) || (done_ > told_.done && !waits);
 }
 
-std::optional<Request> InputProgress::news(bool may_ask, bool late)
+std::optional<Request> InputProgress::news(bool may_ask, bool late, std::int64_t others_hold)
 {
-    const auto ask = may_ask ? std::max(told_.id, options_.window + finished_ - unprocessed_before_) : told_.id;
+    const auto before = unprocessed_before_ + others_hold;
+    const auto ask = may_ask ? std::max(told_.id, options_.window + finished_ - before) : told_.id;
     // A stream asks for nothing: what it has processed lets more lossless events come.
-    const bool tells = (may_ask && unprocessed_before_ == 0) || options_.transfer != Transfer::streaming;
+    const bool tells = (may_ask && before == 0) || options_.transfer != Transfer::streaming;
     const auto worked = tells ? worked_ : std::max(told_.worked, done_);
     const bool more = tells && allowed(ask, worked) > allowed_;
     const bool waits = may_ask && !all_worked();  // while paused, the rest may wait for long

@@ -129,6 +129,7 @@ void Intake::register_on(const LinkPtr& link, Clock::time_point deadline)
     if (link->peer().epoch != sender_epoch_)
         progress_.lose_place();
     sender_epoch_ = link->peer().epoch;
+    const bool may_ask = module_.paused() == Reason::none;
     protocol::Registration registration{.id = 0,
                                         .epoch = epoch_,
                                         .output = spec_.output,
@@ -138,7 +139,7 @@ void Intake::register_on(const LinkPtr& link, Clock::time_point deadline)
                                         .options = spec_.options,
                                         .place = progress_.place(),
                                         .taken = {},
-                                        .held = progress_.held(module_.paused() == Reason::none),
+                                        .held = progress_.held(may_ask) + held_by_others(may_ask),
                                         .tried = tried_};
     tried_ = tried_ != 0 ? tried_ : epoch_;
     if (progress_.place() != 0)
@@ -167,6 +168,23 @@ void Intake::register_on(const LinkPtr& link, Clock::time_point deadline)
     };
     link->request(PacketType::register_receiver, to_json(registration), {}, deadline, on_outcome, channel_);
     module_.arm();
+}
+
+bool Intake::same_ends(const Intake& other) const
+{
+    return &other != this && other.spec_.sender == spec_.sender && other.spec_.output == spec_.output
+           && other.spec_.receiver == spec_.receiver;
+}
+
+/// What earlier connections of these ends still have in hand takes room, too.
+std::int64_t Intake::held_by_others(bool may_ask) const
+{
+    std::int64_t sum = 0;
+    for (const auto* intakes : {&module_.intakes(), &module_.leaving()})
+        for (const auto& other : *intakes)
+            if (same_ends(*other))
+                sum += other->progress_.held(may_ask);
+    return sum;
 }
 
 void Intake::confirmed(const LinkPtr& link, const Json& result, std::int64_t held)

@@ -162,6 +162,9 @@ void Intake::heard(std::int64_t generation, std::int64_t number, bool worked, bo
     progress_.heard(generation, number, worked, done, back);
     flush();
     if (stopped()) {
+        for (const auto& other : module_.intakes())
+            if (same_ends(*other))
+                other->flush();  // it has more room
         try_to_leave();
         end_if_done();
     }
@@ -173,7 +176,9 @@ void Intake::flush(bool late)
 {
     if (!connected_)
         return;
-    tell(progress_.news(!stopped() && module_.paused() == Reason::none, late));
+    const bool may_ask = !stopped() && module_.paused() == Reason::none;
+    const auto others = may_ask && !module_.leaving().empty() ? held_by_others(true) : 0;
+    tell(progress_.news(may_ask, late, others));
     if (late || !progress_.has_late_news() || std::exchange(report_due_, true))
         return;
     report_timer_.run_after(late_report, [weak = weak_from_this()] {

@@ -91,6 +91,23 @@ TEST_CASE("input progress: at the same place it asks only for what it has proces
     CHECK(news->id == 5);
 }
 
+TEST_CASE("input progress: what another registration of the same ends has not processed takes room, too")
+{
+    for (const auto& options : {window(2), streaming()}) {
+        InputProgress input;
+        const auto window = options.transfer == Transfer::streaming ? Credit::most_streamed : options.window;
+        CHECK_FALSE(input.begin(1, options, 5, 0, window));
+        CHECK_FALSE(input.allows(true));
+        CHECK_FALSE(input.news(true, false, window));
+        REQUIRE(input.news(true, false, 0));
+        for (std::int64_t i = 0; i < window; ++i) {
+            CHECK(input.allows(true));
+            input.receive(true, 0);
+        }
+        CHECK_FALSE(input.allows(true));
+    }
+}
+
 TEST_CASE("input progress: while it may not ask, what it has processed and not acknowledged takes room, too")
 {
     auto input = full_at_restarted_sender(streaming(), Credit::most_streamed);
