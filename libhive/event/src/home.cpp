@@ -103,18 +103,24 @@ std::vector<std::string> Home::names() const
 /// Checks the name twice: a replace may have ended between the first two checks.
 bool Home::runs(const std::string& name) const { return alive(name) || succession(name) || alive(name); }
 
-bool Home::alive(const std::string& name) const { return locked(name, name_ending); }
-bool Home::succession(const std::string& name) const { return locked(name, succession_ending); }
+bool Home::alive(const std::string& name) const { return bool(lock_of(name)); }
+transport::Descriptor Home::lock_of(const std::string& name) const { return lock_of(name, name_ending); }
+bool Home::succession(const std::string& name) const { return bool(lock_of(name, succession_ending)); }
 std::int64_t Home::holder(const std::string& name) const { return number_in(path(name, name_ending)); }
 std::int64_t Home::successor(const std::string& name) const { return number_in(path(name, succession_ending)); }
 
-bool Home::locked(const std::string& name, std::string_view ending) const
+transport::Descriptor Home::lock_of(const std::string& name, std::string_view ending) const
 {
-    const transport::Descriptor file(::open(path(name, ending).c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW));
+    transport::Descriptor file(::open(path(name, ending).c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW));
+    return is_locked(file) ? std::move(file) : transport::Descriptor();
+}
+
+bool Home::is_locked(const transport::Descriptor& lock)
+{
     struct flock whole = whole_file(F_WRLCK);
-    return file
+    return lock
            && (!defended("living-holder")
-               || (::fcntl(file.get(), F_OFD_GETLK, &whole) == 0 && whole.l_type != F_UNLCK));
+               || (::fcntl(lock.get(), F_OFD_GETLK, &whole) == 0 && whole.l_type != F_UNLCK));
 }
 
 std::optional<Json> Home::read_state(const std::string& name) const

@@ -140,7 +140,7 @@ void Loop::wait(Clock::time_point deadline, const std::function<bool()>& done)
     if (!ran)
         run_ready();
     short_wait_ = Clock::now() - begin
-                  < idle_timeout / 10;  // then an occasional wake-up is cheaper than two system calls for each wait
+                  < idle_timeout / 4;  // then an occasional wake-up is cheaper than two system calls for each wait
     leave();
 }
 

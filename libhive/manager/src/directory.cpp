@@ -22,13 +22,25 @@ public:
     }
     [[nodiscard]] std::vector<Place> places_of(const std::string& drone) const override
     {
-        if (!is_name(drone) || !home_.runs(drone))
+        if (!is_name(drone) || !runs(drone))
             return {};
         return {{.drone = drone, .host = Place::here, .address = to_text(home_.address(drone))}};
     }
 
 private:
+    /// A program often queries one drone again and again.
+    [[nodiscard]] bool runs(const std::string& drone) const
+    {
+        if (drone == last_ && event::Home::is_locked(lock_of_last_))
+            return true;
+        lock_of_last_ = home_.lock_of(drone);
+        last_ = drone;
+        return lock_of_last_ || home_.runs(drone);
+    }
+
     const event::Home& home_;
+    mutable std::string last_{};
+    mutable transport::Descriptor lock_of_last_{};
 };
 
 /// The drones of other machines in the list of places.

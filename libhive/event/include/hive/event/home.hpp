@@ -28,6 +28,9 @@ public:
 
     /// Does a running module hold this name? Asks the kernel for the lock, not the module.
     [[nodiscard]] bool alive(const std::string& name) const;
+    /// The same, with the open lock file: as long as is_locked() its holder lives. Empty: none does.
+    [[nodiscard]] transport::Descriptor lock_of(const std::string& name) const;
+    [[nodiscard]] static bool is_locked(const transport::Descriptor& lock);
     /// Does a process wait to take this name over from its holder?
     [[nodiscard]] bool succession(const std::string& name) const;
     /// True while a process has the name or waits to take it over: a drone that is being replaced runs all the time.
@@ -46,7 +49,7 @@ public:
     [[nodiscard]] std::filesystem::path path(const std::string& name, std::string_view ending) const;
 
 private:
-    [[nodiscard]] bool locked(const std::string& name, std::string_view ending) const;
+    [[nodiscard]] transport::Descriptor lock_of(const std::string& name, std::string_view ending) const;
 
     std::filesystem::path directory_;
 };
