@@ -259,6 +259,23 @@ TEST_CASE("up: drones that a changed file restarts lose and repeat nothing of a 
     CHECK_EQ(Json(join.wrong(of_join, 2)), Json(std::map<std::int64_t, int>()));
 }
 
+TEST_CASE("up: a source that a changed file restarts waits for the receivers that the same change adds")
+{
+    auto content = file_with({{"kind", "ticker"}, {"set", {{"pace", "demand"}}}});
+    const Swarm swarm;
+    const File file(swarm, content);
+    steps(swarm, file);
+    const Results others(swarm, {{"a", "result"}, {"b", "result"}});
+    content["drones"]["one"]["log_level"] = "debug";
+    content["drones"]["c"] = {{"kind", "sleeper"}};
+    content["connections"].push_back({{"from", "one"}, {"to", "c"}});
+    file.write(content);
+    steps(swarm, file);
+    Results added(swarm, {{"c", "result"}});
+    CHECK(eventually([&] { return added.newest() > 50; }));
+    CHECK_EQ(Json(added.wrong(20, 1)), Json(std::map<std::int64_t, int>()));
+}
+
 TEST_CASE("up: members that change their group, and are restarted meanwhile, lose and repeat nothing of a source on "
           "demand")
 {

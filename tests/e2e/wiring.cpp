@@ -321,3 +321,15 @@ TEST_CASE("collect: whoever leaves with lossless events that it has not taken le
     }
     CHECK(std::ranges::min(took) < stated(400ms));
 }
+
+TEST_CASE("collect: an event that is kept of a collector that is gone does not hold up another one of the same output")
+{
+    const Swarm swarm;
+    const auto source = swarm.drone("ticker", "source", {"pace=demand"});
+    auto application = swarm.application();
+    hive::CollectOptions one_at_once;
+    one_at_once.connection.window = 1;
+    const auto kept = application.collect({{"source", "tick"}}, one_at_once)->next(patient(5000ms));
+    REQUIRE(kept);
+    CHECK(application.collect({{"source", "tick"}}, one_at_once)->next(patient(5000ms)));
+}

@@ -48,7 +48,8 @@ struct flock whole_file(short type)
     return lock;
 }
 
-constexpr std::string_view name_ending = ".lock", succession_ending = ".next", crash_ending = ".crash";
+constexpr std::string_view name_ending = ".lock", succession_ending = ".next", state_ending = ".state",
+                           return_ending = ".returns", crash_ending = ".crash";
 
 std::int64_t number_in(const fs::path& file)
 {
@@ -123,34 +124,59 @@ bool Home::is_locked(const transport::Descriptor& lock)
                || (::fcntl(lock.get(), F_OFD_GETLK, &whole) == 0 && whole.l_type != F_UNLCK));
 }
 
-std::optional<Json> Home::read_state(const std::string& name) const
+namespace {
+
+constexpr JsonLimits limits_of_state{.bytes = 1 << 20, .depth = 16, .keys = 1024, .string_bytes = 16 * 1024};
+
+std::optional<Json> json_in(const fs::path& path, const JsonLimits& limits)
 {
-    std::ifstream file(path(name, ".state"));
+    std::ifstream file(path);
     if (!file)
         return std::nullopt;
     const std::string text{std::istreambuf_iterator<char>(file), {}};
-    return parse_json(text, {.bytes = 1 << 20, .depth = 16, .keys = 1024, .string_bytes = 16 * 1024});
+    return parse_json(text, limits);
+}
+
+/// Writes one file, and removes another.
+void replace_by(const fs::path& file, const Json& content, const fs::path& old)
+{
+    replace_file(file, content.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+    std::error_code ignored;
+    fs::remove(old, ignored);
+}
+
+}  // namespace
+
+std::optional<Json> Home::read_state(const std::string& name) const
+{
+    return json_in(path(name, state_ending), limits_of_state);
+}
+
+std::optional<Json> Home::read_return(const std::string& name) const
+{
+    return json_in(path(name, return_ending), limits_of_state);
 }
 
 std::optional<Json> Home::read_crash(const std::string& name) const
 {
-    std::ifstream file(path(name, crash_ending));
-    if (!file)
-        return std::nullopt;
-    const std::string text{std::istreambuf_iterator<char>(file), {}};
-    return parse_json(text, {.bytes = 8 * 1024, .depth = 2, .keys = 8, .string_bytes = 2 * 1024});
+    return json_in(path(name, crash_ending), {.bytes = 8 * 1024, .depth = 2, .keys = 8, .string_bytes = 2 * 1024});
 }
 
 void Home::write_state(const std::string& name, const Json& state) const
 {
-    replace_file(path(name, ".state"), state.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+    replace_by(path(name, state_ending), state, path(name, return_ending));
+}
+
+void Home::write_return(const std::string& name, const Json& left) const
+{
+    replace_by(path(name, return_ending), left, path(name, state_ending));
 }
 
 void Home::forget_state(const std::string& name) const noexcept
 {
     std::error_code ignored;
-    fs::remove(path(name, ".state"), ignored);
-    fs::remove(path(name, crash_ending), ignored);
+    for (const auto ending : {state_ending, return_ending, crash_ending})
+        fs::remove(path(name, ending), ignored);
 }
 
 void replace_file(const fs::path& file, const std::string& text)

@@ -105,9 +105,9 @@ bool InputProgress::urgent(std::int64_t worked, bool more, bool waits) const
     return more || (worked > told_.worked && !options_.group.empty()) || (done_ > told_.done && !waits);
 }
 
-std::optional<Request> InputProgress::news(bool may_ask, bool late, std::int64_t others_hold)
+std::optional<Request> InputProgress::news(bool may_ask, bool late, std::int64_t held_before)
 {
-    const auto before = unprocessed_before_ + others_hold;
+    const auto before = unprocessed_before_ + held_before;
     const auto ask = may_ask ? std::max(told_.id, options_.window + finished_ - before) : told_.id;
     // A stream asks for nothing: what it has processed lets more lossless events come.
     const bool tells = (may_ask && before == 0) || options_.transfer != Transfer::streaming;

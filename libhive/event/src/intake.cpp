@@ -139,7 +139,8 @@ void Intake::register_on(const LinkPtr& link, Clock::time_point deadline)
                                         .options = spec_.options,
                                         .place = progress_.place(),
                                         .taken = {},
-                                        .held = progress_.held(may_ask) + held_by_others(may_ask),
+                                        .held = progress_.held(may_ask) + held_before(module_.intakes(), may_ask)
+                                                + held_before(module_.leaving(), may_ask),
                                         .tried = tried_};
     tried_ = tried_ != 0 ? tried_ : epoch_;
     if (progress_.place() != 0)
@@ -170,20 +171,20 @@ void Intake::register_on(const LinkPtr& link, Clock::time_point deadline)
     module_.arm();
 }
 
-bool Intake::same_ends(const Intake& other) const
+/// The collectors of an application are independent of each other.
+bool Intake::replaces(const Intake& other) const
 {
     return &other != this && other.spec_.sender == spec_.sender && other.spec_.output == spec_.output
-           && other.spec_.receiver == spec_.receiver;
+           && other.spec_.receiver == spec_.receiver && spec_.receiver != module_.self().name;
 }
 
 /// What earlier connections of these ends still have in hand takes room, too.
-std::int64_t Intake::held_by_others(bool may_ask) const
+std::int64_t Intake::held_before(const std::vector<std::shared_ptr<Intake>>& intakes, bool may_ask) const
 {
     std::int64_t sum = 0;
-    for (const auto* intakes : {&module_.intakes(), &module_.leaving()})
-        for (const auto& other : *intakes)
-            if (same_ends(*other))
-                sum += other->progress_.held(may_ask);
+    for (const auto& other : intakes)
+        if (replaces(*other))
+            sum += other->progress_.held(may_ask);
     return sum;
 }
 

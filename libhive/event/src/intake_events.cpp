@@ -163,7 +163,7 @@ void Intake::heard(std::int64_t generation, std::int64_t number, bool worked, bo
     flush();
     if (stopped()) {
         for (const auto& other : module_.intakes())
-            if (same_ends(*other))
+            if (worked && other->replaces(*this))
                 other->flush();  // it has more room
         try_to_leave();
         end_if_done();
@@ -177,8 +177,7 @@ void Intake::flush(bool late)
     if (!connected_)
         return;
     const bool may_ask = !stopped() && module_.paused() == Reason::none;
-    const auto others = may_ask && !module_.leaving().empty() ? held_by_others(true) : 0;
-    tell(progress_.news(may_ask, late, others));
+    tell(progress_.news(may_ask, late, may_ask ? held_before(module_.leaving(), true) : 0));
     if (late || !progress_.has_late_news() || std::exchange(report_due_, true))
         return;
     report_timer_.run_after(late_report, [weak = weak_from_this()] {

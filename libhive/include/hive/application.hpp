@@ -274,8 +274,8 @@ public:
     /// Stops many at once; returns when all have exited, or at the timeout.
     /// @param swarm  not empty: only drones that this swarm brought up; others answer Errc::refused
     std::vector<Answer> stop(const std::vector<std::string>& drones, const std::string& swarm = {});
-    /// The same for drones that the caller starts again at once, with all their settings: until then nobody forgets
-    /// their connections, so no event is lost.
+    /// The same for drones that the caller starts again at once, with all their settings: for 30 s their peers wait for
+    /// them, as after a crash, so no lossless event is lost.
     std::vector<Answer> stop_to_restart(const std::vector<std::string>& drones);
     /// Changes what happens when the drone's code throws.
     void exception_policy(const std::string& drone, ExceptionPolicy policy);

@@ -73,7 +73,7 @@ DroneCore::Running::Running(DroneCore& core)
                 .module = module,
                 .worker = worker,
                 .end = [&core] { core.end(); },
-                .hand_over = [&core](std::chrono::seconds grace) { core.hand_over(grace); },
+                .hand_over = [&core](std::chrono::seconds grace) { return core.hand_over(grace); },
                 .order = core.settings_.order})
 {
 }
@@ -179,7 +179,7 @@ void DroneCore::ended()
         running_->module.hand_over();
     });
     if (hands_over)
-        reporter_.log(LogLevel::info, "replaced by another process");
+        reporter_.log(LogLevel::info, "another process continues");
     mailbox_.discard([](const Event&) { return true; });
     running_->end();  // not reset(): the network side may still use it
     reporter_.log(LogLevel::info, "stopped");
@@ -296,15 +296,17 @@ void DroneCore::end()
 }
 
 /// On the network side. As in a halt nothing more is requested, and shared work that was not started is returned.
-void DroneCore::hand_over(std::chrono::seconds grace)
+/// @return  whether it was not ending yet
+bool DroneCore::hand_over(std::chrono::seconds grace)
 {
     if (!board_.hand_over())
-        return;
+        return false;
     running_->module.halt(true);
     mailbox_.discard(event::came_to_member);
     mailbox_.nudge();
     if (settings_.ends_process)
         watchdog_.begin(running_->home.path(self_.name, ".sock"), grace);
+    return true;
 }
 
 Json DroneCore::left_state(const event::Home& home) const

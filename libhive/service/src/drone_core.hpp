@@ -75,7 +75,7 @@ private:
     bool take_over();
     void serve();
     void end();
-    void hand_over(std::chrono::seconds grace);
+    bool hand_over(std::chrono::seconds grace);
     void ended();
 
     service::ShutdownWatchdog watchdog_;

@@ -48,16 +48,20 @@ void Requests::add_handlers()
 }
 
 /// The receivers of the last run count, and return soon; the command line counts only for a drone that was never
-/// connected.
+/// connected, or that returns with new settings.
 void Requests::expect(const Json& state, const std::vector<protocol::Expect>& expected)
 {
-    if (state.contains("subscribers"))
-        return parts_.module.expect(subscribers_from(state, parts_.reporter),
-                                    event::Clock::now() + event::Subscription::kept_for);
-    std::vector<event::Subscriber> subscribers;
+    const auto known = subscribers_from(state, parts_.reporter);
+    parts_.module.expect(known, event::Clock::now() + event::Subscription::kept_for);
+    if (state.contains("subscribers") && !is_to_return(state))
+        return;
+    std::vector<event::Subscriber> others;
     for (const auto& [output, receiver, group] : expected)
-        subscribers.push_back({.output = output, .receiver = receiver, .group = group});
-    parts_.module.expect(subscribers, std::nullopt);
+        if (std::ranges::none_of(known, [&](const event::Subscriber& one) {
+                return one.output == output && one.receiver == receiver && !one.dormant;
+            }))
+            others.push_back({.output = output, .receiver = receiver, .group = group});
+    parts_.module.expect(others, std::nullopt);
 }
 
 void Requests::restore(const Json& state, const std::vector<protocol::Connect>& wished,
@@ -164,13 +168,18 @@ void Requests::on_stop(const Incoming& incoming)
     if (const auto owner = parts_.board.values().swarm; fields.has("swarm") && fields.name("swarm") != owner)
         throw Error(Errc::refused, parts_.module.self().name + " was brought up by "
                                        + (owner.empty() ? "no swarm" : "the swarm " + owner));
-    const bool returns = fields.flag_or("returns", false);
-    if (!fields.flag_or("successor", false)) {
+    const bool returns = fields.flag_or("returns", false), successor = fields.flag_or("successor", false);
+    if (returns && successor)
+        throw Error(Errc::malformed, "stop: successor and returns exclude each other");
+    if (returns) {
         incoming.answer(Json::object());
-        if (!returns)
-            return parts_.end();
-        parts_.hand_over(ShutdownWatchdog::stop_timeout);
-        return state_file_.remember_without_settings();
+        if (parts_.hand_over(ShutdownWatchdog::stop_timeout))
+            state_file_.remember_to_return();
+        return;
+    }
+    if (!successor) {
+        incoming.answer(Json::object());
+        return parts_.end();
     }
     if (const auto& name = parts_.module.self().name; !parts_.home.succession(name))
         throw Error(Errc::refused, "no process waits to take over " + name);

@@ -23,7 +23,7 @@ public:
         event::Module& module;
         Worker& worker;                                       ///< for commands, and to halt it
         std::function<void()> end;                            ///< stops the drone
-        std::function<void(std::chrono::seconds)> hand_over;  ///< stops it within this time; another process continues
+        std::function<bool(std::chrono::seconds)> hand_over;  ///< stops it within this time; another process continues
         const DroneOrder& order;                              ///< the drone's start configuration
     };
     explicit Requests(Parts parts);

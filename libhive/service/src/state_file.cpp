@@ -6,6 +6,9 @@
 namespace hive::service {
 namespace {
 
+constexpr auto left_at = "left_us";
+constexpr std::chrono::minutes returns_within{1};
+
 Json connection_json(const event::IntakeSpec& spec)
 {
     return to_json(protocol::Connect{.drone = spec.sender,
@@ -39,7 +42,18 @@ event::Subscription::Missed missed_from(const Fields& subscriber)
             .epoch = missed.integer("epoch", 0, max_json_integer)};
 }
 
+/// Nobody waits for a drone for longer, so what is older was left by a start that failed.
+Json left_to_return(const event::Home& home, const std::string& name)
+{
+    const auto left = home.read_return(name);
+    const auto age_us =
+        left ? event::wall_us() - Fields(*left, "what it left").integer(left_at, 0, max_json_integer) : 0;
+    return left && std::abs(age_us) < event::microseconds(returns_within) ? *left : Json::object();
+}
+
 }  // namespace
+
+bool is_to_return(const Json& state) { return state.contains(left_at); }
 
 std::int64_t left_epoch(const Json& state, const Reporter& reporter)
 try {
@@ -71,10 +85,8 @@ Json left_state(const event::Home& home, const protocol::Hello& self, OtherKind 
 try {
     const auto state = home.read_state(self.name);
     if (!state)
-        return Json::object();
-    const Fields fields(*state, "state");
-    if (const auto kind = fields.text("kind");
-        kind != self.kind && other == OtherKind::leave_out && !fields.flag_or("any_kind", false)) {
+        return left_to_return(home, self.name);
+    if (const auto kind = Fields(*state, "state").text("kind"); kind != self.kind && other == OtherKind::leave_out) {
         reporter.log(LogLevel::warning,
                      "ignored the saved state of a drone of this name and of kind " + in_quotes(kind));
         return Json::object();
@@ -103,7 +115,8 @@ void StateFile::remember()
         return;
     try {
         subscribers_ = module_.subscribers();
-        home_.write_state(module_.self().name, state());
+        returns_ ? home_.write_return(module_.self().name, connected())
+                 : home_.write_state(module_.self().name, state());
         forgetful_ = false;
     } catch (const std::exception& error) {
         if (!std::exchange(forgetful_, true))
@@ -111,9 +124,9 @@ void StateFile::remember()
     }
 }
 
-void StateFile::remember_without_settings()
+void StateFile::remember_to_return()
 {
-    without_settings_ = true;
+    returns_ = true;
     remember();
 }
 
@@ -123,7 +136,7 @@ void StateFile::subscribers_changed()
         remember();
 }
 
-Json StateFile::state() const
+Json StateFile::connected() const
 {
     Json subscribers = Json::array();
     for (const auto& subscriber : subscribers_)
@@ -134,17 +147,21 @@ Json StateFile::state() const
             spec.options = intake->confirmed_options();
             connections.push_back(connection_json(spec));
         }
-    Json state{{"kind", declaration_.interface.kind},
-               {"epoch", module_.self().epoch},
-               {"connections", connections},
-               {"subscribers", subscribers},
-               {"swarm", board_.values().swarm}};
-    if (without_settings_) {
-        state["any_kind"] = true;
-        return state;
-    }
-    state.update(listening_.saved());
-    state.update({{"parameters", declaration_.parameters.changed()}, {"policy", token(board_.policy())}});
+    return {{"epoch", module_.self().epoch},
+            {"connections", connections},
+            {"subscribers", subscribers},
+            {left_at, event::wall_us()}};
+}
+
+Json StateFile::state() const
+{
+    Json state = listening_.saved();
+    state.update(connected());
+    state.erase(left_at);
+    state.update({{"kind", declaration_.interface.kind},
+                  {"parameters", declaration_.parameters.changed()},
+                  {"policy", token(board_.policy())},
+                  {"swarm", board_.values().swarm}});
     return state;
 }
 

@@ -8,12 +8,15 @@ namespace hive::service {
 /// The part of a state that is valid for a drone of this name and another kind.
 enum class OtherKind { leave_out, take };
 
-/// The state of a drone of this name that crashed, or that is to be replaced; an empty object if there is none. Any
-/// thread.
+/// The state of a drone of this name that crashed, or that is to be replaced, or what one left that is to return; an
+/// empty object if there is none. Any thread.
 [[nodiscard]] Json left_state(const event::Home& home, const protocol::Hello& self, OtherKind other,
                               const Reporter& reporter);
 /// The saved values that the drone still accepts. The user thread, before the start.
 [[nodiscard]] Json still_taken(const Json& saved, const ParameterSet& parameters, const Reporter& reporter);
+
+/// Is it what a drone left that is to return, and not a state?
+[[nodiscard]] bool is_to_return(const Json& state);
 
 /// The epoch of the last run; 0 if unknown, or larger than any plausible clock.
 [[nodiscard]] std::int64_t left_epoch(const Json& state, const Reporter& reporter);
@@ -36,12 +39,13 @@ public:
 
     /// Saves the current state. If that fails, the drone continues without, and reports it once.
     void remember();
-    /// Saves the connections and subscribers for a process that gets all its settings from elsewhere.
-    void remember_without_settings();
+    /// From now on saves only what a process needs that is started at once with all its settings, instead of a state.
+    void remember_to_return();
     /// The same as remember(), if the subscribers have changed.
     void subscribers_changed();
 
 private:
+    [[nodiscard]] Json connected() const;
     [[nodiscard]] Json state() const;
 
     const event::Home& home_;
@@ -51,7 +55,7 @@ private:
     const Listening& listening_;
     Reporter& reporter_;
     std::vector<event::Subscriber> subscribers_;  ///< as written
-    bool without_settings_ = false;
+    bool returns_ = false;
     bool forgetful_ = false;  ///< the state cannot be written, and that was reported
 };
 

@@ -91,7 +91,7 @@ TEST_CASE("input progress: at the same place it asks only for what it has proces
     CHECK(news->id == 5);
 }
 
-TEST_CASE("input progress: what another registration of the same ends has not processed takes room, too")
+TEST_CASE("input progress: what an earlier input of the same ends has not processed takes room, too")
 {
     for (const auto& options : {window(2), streaming()}) {
         InputProgress input;

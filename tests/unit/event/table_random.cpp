@@ -122,7 +122,7 @@ private:
     void come_back(Newcomer& newcomer)
     {
         const auto place = dice_.one_of(places_);
-        newcomer.place = place->first;
+        newcomer.place = place->second.place;
         newcomer.receiver = place->second.name;
         if (newcomer.options.group != place->second.options.group)
             newcomer.options = place->second.options;
@@ -158,8 +158,9 @@ private:
         seats_.erase(found);
         if (dice_.yes(30))
             return decide([&, who = id](Decisions& to) { table_.leave(who, now_, to); });
+        std::erase_if(places_, [&](const auto& row) { return row.second.place == seat.place; });
         if (seat.place != 0 && places_.size() < 8)
-            places_[seat.place] = seat;
+            places_[id] = seat;
         decide([&, who = id](Decisions& to) { table_.lose(who, any_loss(dice_), dice_.yes(90), now_, to); });
     }
 
@@ -224,7 +225,7 @@ private:
     ReceiverTable table_;
     Clock::time_point now_ = start;
     std::map<ReceiverId, Seat> seats_;
-    std::map<std::int64_t, Seat> places_;            ///< of those that were lost, as they remember them
+    std::map<ReceiverId, Seat> places_;              ///< of those that were lost, as they remember them
     std::map<std::string, std::int64_t> inherited_;  ///< what was emitted until then may have been in a group
     ReceiverId last_id_ = 0;
     std::int64_t sequence_ = 0;

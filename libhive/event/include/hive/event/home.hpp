@@ -42,6 +42,9 @@ public:
     /// The state of a drone that is restored after a crash.
     [[nodiscard]] std::optional<Json> read_state(const std::string& name) const;
     void write_state(const std::string& name, const Json& state) const;
+    /// What a drone leaves that is started again at once. A state takes its place, and it takes that of a state.
+    [[nodiscard]] std::optional<Json> read_return(const std::string& name) const;
+    void write_return(const std::string& name, const Json& left) const;
     /// The record of a crash by a signal, kept until the name is claimed again. Throws Errc::malformed.
     [[nodiscard]] std::optional<Json> read_crash(const std::string& name) const;
     /// And how it crashed.

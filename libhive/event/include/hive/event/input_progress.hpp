@@ -38,8 +38,8 @@ public:
     void heard(std::int64_t generation, std::int64_t number, bool worked, bool done, bool back);
 
     /// The request that must be sent now, if any. @param may_ask  for more events @param late  nothing may wait longer
-    /// @param others_hold  unprocessed deliveries of other registrations at the same output
-    std::optional<protocol::Request> news(bool may_ask, bool late = false, std::int64_t others_hold = 0);
+    /// @param held_before  unprocessed deliveries of earlier inputs with the same ends
+    std::optional<protocol::Request> news(bool may_ask, bool late = false, std::int64_t held_before = 0);
     /// Has a stream something to report that may wait a little? A report of each live event would double its packets.
     [[nodiscard]] bool has_late_news() const;
     /// Finished deliveries that were not reported; the last report.

@@ -121,8 +121,8 @@ private:
     [[nodiscard]] bool holds();
     [[nodiscard]] bool in_short_break() const;
     void register_on(const LinkPtr& link, Clock::time_point deadline);
-    [[nodiscard]] bool same_ends(const Intake& other) const;
-    [[nodiscard]] std::int64_t held_by_others(bool may_ask) const;
+    [[nodiscard]] bool replaces(const Intake& other) const;
+    [[nodiscard]] std::int64_t held_before(const std::vector<std::shared_ptr<Intake>>& intakes, bool may_ask) const;
     void confirmed(const LinkPtr& link, const Json& result, std::int64_t held);
     LinkPtr release_link();
     void keep_time();
