@@ -124,7 +124,7 @@ void Requests::on_put(const Incoming& incoming)
 void Requests::on_forget(const Incoming& incoming)
 {
     const auto forget = protocol::forget_from_json(incoming.header);
-    if (!forget.output.empty())
+    if (!forget.output.empty() && forget.output != "exceptions")
         port_named(parts_.declaration.interface.outputs, parts_.module.self().name, "output", forget.output);
     const auto removed = parts_.module.forget(forget.receiver, forget.output);
     if (removed == 0)
