@@ -325,7 +325,7 @@ TEST_CASE("collect: whoever leaves with lossless events that it has not taken le
 TEST_CASE("collect: an event that is kept of a collector that is gone does not hold up another one of the same output")
 {
     const Swarm swarm;
-    const auto source = swarm.drone("ticker", "source", {"pace=demand"});
+    const auto source = swarm.drone("ticker", "source");
     auto application = swarm.application();
     hive::CollectOptions one_at_once;
     one_at_once.connection.window = 1;

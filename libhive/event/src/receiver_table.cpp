@@ -451,9 +451,11 @@ std::size_t ReceiverTable::forget(const std::string& drone, Decisions& decisions
 {
     std::size_t forgotten = 0;
     for (Plain& plain : plain_)
-        if ((plain.subscription.awaited() || plain.subscription.missing()) && belongs_to(plain.receiver, drone)) {
+        if (plain.subscription.awaited() && belongs_to(plain.receiver, drone)) {
             plain.subscription.cancel(decisions);
             ++forgotten;
+        } else if (plain.subscription.missing() && belongs_to(plain.receiver, drone)) {
+            plain.subscription.cancel(decisions);
         }
     for (auto& [name, group] : groups_) {
         const bool ends =
