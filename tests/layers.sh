@@ -59,6 +59,12 @@ if grep -rnE --include='*.hpp' --include='*.cpp' '(sleep_for|sleep_until|usleep)
     failures=$((failures + 1))
 fi
 
+if grep -rnE --include='*.hpp' --include='*.cpp' \
+    '(what|advice)\(\)[^;]*( [!=]= |find\(|starts_with|ends_with)|[!=]= [a-z_.>-]*(what|advice)\(\)' protocol libhive hivectl drones; then
+    echo "layers: no error is told by its text: give it a code, or answer a value" >&2
+    failures=$((failures + 1))
+fi
+
 if LC_ALL=C.UTF-8 grep -nE '^[^|].{120,}$' README.md || [ "$(wc -l < README.md)" -gt 200 ]; then
     echo "layers: README.md is read in a terminal: lines of at most 120 characters, and at most 200 of them" >&2
     failures=$((failures + 1))
