@@ -178,7 +178,8 @@ void Wiring::connect(IntakeSpec spec, event::Clock::time_point until, event::OnO
     const auto newest = earlier.empty() ? nullptr : earlier.back();
     if (newest && newest->awaited() && newest->spec() == spec)
         return newest->await(std::move(on_outcome), until);  // two have asked for the same
-    if (newest && newest->connected() && newest->spec().options.group.empty() && spec.options.group.empty())
+    const bool only_options = newest && newest->connected() && newest->spec().address == spec.address;
+    if (only_options && newest->spec().options.group.empty() && spec.options.group.empty())
         return newest->change(
             spec.options,
             [this, on_outcome = std::move(on_outcome)](const Outcome& outcome) {
