@@ -110,11 +110,11 @@ void Model::before(const Step& step)
         alone_.insert({step.sender, step.drone});
     for (const auto& edge : topology_.edges())
         if (was.connected(edge.sender, edge.receiver) && !condition_.connected(edge.sender, edge.receiver))
-            left(edge.sender, edge.receiver, has_another(edge.sender, edge.receiver));
+            left(edge.sender, edge.receiver, has_another(edge.sender, edge.receiver, false));
     if (step.verb == Verb::part)
         passes(step.number);
     if (step.verb == Verb::forget)
-        left(step.sender, step.drone, has_another(step.sender, step.drone));
+        left(step.sender, step.drone, has_another(step.sender, step.drone, true));
 }
 
 /// @param ms  in which a place may be given up
@@ -139,13 +139,12 @@ std::set<std::string> Model::halted() const
     return drones;
 }
 
-/// Does another worker that runs receive from it? A group whose last member leaves is not awaited, even if another one
-/// was killed before (SPEC.md, section 8.4).
-bool Model::has_another(const std::string& sender, const std::string& receiver) const
+/// @param running  only what runs counts
+bool Model::has_another(const std::string& sender, const std::string& receiver, bool running) const
 {
     return std::ranges::any_of(topology_.edges(), [&](const Edge& edge) {
         return edge.sender == sender && edge.receiver != receiver && topology_.is_worker(edge.receiver)
-               && condition_.connected(sender, edge.receiver) && condition_.runs(edge.receiver);
+               && condition_.connected(sender, edge.receiver) && (!running || condition_.runs(edge.receiver));
     });
 }
 

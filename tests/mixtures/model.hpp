@@ -84,7 +84,7 @@ private:
     [[nodiscard]] bool may_come_beside(const Outcome& outcome) const;
     /// Nobody works for the sender any more what this receiver has not answered, or `another` does.
     void left(const std::string& sender, const std::string& receiver, bool another);
-    [[nodiscard]] bool has_another(const std::string& sender, const std::string& receiver) const;
+    [[nodiscard]] bool has_another(const std::string& sender, const std::string& receiver, bool running) const;
 
     Topology topology_;
     Condition condition_;
