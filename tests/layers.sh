@@ -61,7 +61,7 @@ fi
 
 if grep -rnE --include='*.hpp' --include='*.cpp' \
     '(what|advice)\(\)[^;]*( [!=]= |find\(|starts_with|ends_with)|[!=]= [a-z_.>-]*(what|advice)\(\)' protocol libhive hivectl drones; then
-    echo "layers: no error is told by its text: give it a code, or answer a value" >&2
+    echo "layers: an error is recognised by its code, not by its text" >&2
     failures=$((failures + 1))
 fi
 

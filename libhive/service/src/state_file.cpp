@@ -42,7 +42,7 @@ event::Subscription::Missed missed_from(const Fields& subscriber)
             .epoch = missed.integer("epoch", 0, max_json_integer)};
 }
 
-/// Nobody waits for a drone for longer, so what is older was left by a start that failed.
+/// Peers keep its places for 30 s. An older file was left by a start that failed.
 Json left_to_return(const event::Home& home, const std::string& name)
 {
     const auto left = home.read_return(name);
@@ -115,8 +115,13 @@ void StateFile::remember()
         return;
     try {
         subscribers_ = module_.subscribers();
-        returns_ ? home_.write_return(module_.self().name, connected())
-                 : home_.write_state(module_.self().name, state());
+        if (returns_) {
+            Json left = wired();
+            left[left_at] = event::wall_us();
+            home_.write_return(module_.self().name, left);
+        } else {
+            home_.write_state(module_.self().name, state());
+        }
         forgetful_ = false;
     } catch (const std::exception& error) {
         if (!std::exchange(forgetful_, true))
@@ -136,7 +141,7 @@ void StateFile::subscribers_changed()
         remember();
 }
 
-Json StateFile::connected() const
+Json StateFile::wired() const
 {
     Json subscribers = Json::array();
     for (const auto& subscriber : subscribers_)
@@ -147,17 +152,13 @@ Json StateFile::connected() const
             spec.options = intake->confirmed_options();
             connections.push_back(connection_json(spec));
         }
-    return {{"epoch", module_.self().epoch},
-            {"connections", connections},
-            {"subscribers", subscribers},
-            {left_at, event::wall_us()}};
+    return {{"epoch", module_.self().epoch}, {"connections", connections}, {"subscribers", subscribers}};
 }
 
 Json StateFile::state() const
 {
     Json state = listening_.saved();
-    state.update(connected());
-    state.erase(left_at);
+    state.update(wired());
     state.update({{"kind", declaration_.interface.kind},
                   {"parameters", declaration_.parameters.changed()},
                   {"policy", token(board_.policy())},

@@ -45,7 +45,7 @@ public:
     void subscribers_changed();
 
 private:
-    [[nodiscard]] Json connected() const;
+    [[nodiscard]] Json wired() const;  ///< the epoch, connections and subscribers
     [[nodiscard]] Json state() const;
 
     const event::Home& home_;

@@ -28,7 +28,7 @@ public:
 
     /// Does a running module hold this name? Asks the kernel for the lock, not the module.
     [[nodiscard]] bool alive(const std::string& name) const;
-    /// The same, with the open lock file: as long as is_locked() its holder lives. Empty: none does.
+    /// The open lock file if a running module holds this name, otherwise empty. It runs as long as is_locked().
     [[nodiscard]] transport::Descriptor lock_of(const std::string& name) const;
     [[nodiscard]] static bool is_locked(const transport::Descriptor& lock);
     /// Does a process wait to take this name over from its holder?
@@ -42,7 +42,7 @@ public:
     /// The state of a drone that is restored after a crash.
     [[nodiscard]] std::optional<Json> read_state(const std::string& name) const;
     void write_state(const std::string& name, const Json& state) const;
-    /// What a drone leaves that is started again at once. A state takes its place, and it takes that of a state.
+    /// What a drone leaves that is started again at once. Writing this removes the state, and the other way round.
     [[nodiscard]] std::optional<Json> read_return(const std::string& name) const;
     void write_return(const std::string& name, const Json& left) const;
     /// The record of a crash by a signal, kept until the name is claimed again. Throws Errc::malformed.
