@@ -273,11 +273,10 @@ std::optional<std::string> EndOfInputs::text() const
 
 std::optional<std::string> EndOfInputs::text_of(const Intakes& intakes) const
 {
-    constexpr auto exceptions = "exceptions";  // they never end
     bool any = false;
     protocol::End end;
     for (const auto& intake : intakes) {
-        if (intake->spec().output == exceptions)
+        if (intake->spec().output == "exceptions")  // they never end
             continue;
         if ((!intake->ended() && !intake->gone_for_good()) || (whom_ == Of::drone && !intake->all_worked()))
             return std::nullopt;

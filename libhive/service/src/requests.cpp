@@ -56,11 +56,11 @@ void Requests::expect(const Json& state, const std::vector<protocol::Expect>& ex
     if (state.contains("subscribers") && !is_to_return(state))
         return;
     std::vector<event::Subscriber> others;
-    for (const auto& [output, receiver, group] : expected)
+    for (const auto& expect : expected)
         if (std::ranges::none_of(known, [&](const event::Subscriber& one) {
-                return one.output == output && one.receiver == receiver && !one.dormant;
+                return one.output == expect.output && one.receiver == expect.receiver && !one.dormant;
             }))
-            others.push_back({.output = output, .receiver = receiver, .group = group});
+            others.push_back({.output = expect.output, .receiver = expect.receiver, .group = expect.group});
     parts_.module.expect(others, std::nullopt);
 }
 
