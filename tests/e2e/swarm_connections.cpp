@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <array>
+#include <csignal>
 #include <cstdint>
 #include <iterator>
 #include <map>
@@ -252,6 +253,40 @@ TEST_CASE("up: drones that a changed file restarts lose and repeat nothing of a 
         CHECK_FALSE(steps(swarm, file).empty());
         CHECK(steps(swarm, file).empty());
     }
+    const auto of_results = results.newest(), of_join = join.newest();
+    CHECK(passed(results, of_results));
+    CHECK(passed(join, of_join));
+    CHECK_EQ(Json(results.wrong(of_results, 2)), Json(std::map<std::int64_t, int>()));
+    CHECK_EQ(Json(join.wrong(of_join, 2)), Json(std::map<std::int64_t, int>()));
+}
+
+TEST_CASE("up: Ctrl-C while receivers are being restarted loses and repeats nothing of a source on demand")
+{
+    const auto content = [](int round) {
+        auto file = file_with({{"kind", "ticker"}, {"set", {{"pace", "demand"}}}}, Json::object());
+        for (const char* drone : {"a", "b"})
+            file["drones"][drone]["log_level"] = round % 2 == 0 ? "debug" : "warning";
+        return file;
+    };
+    const Swarm swarm;
+    const File file(swarm, content(0));
+    steps(swarm, file);
+    Results results(swarm, {{"a", "result"}, {"b", "result"}});
+    Results join(swarm, {{"join", "counts"}});
+    const auto passed = [](Results& all, std::int64_t event) {
+        return eventually([&] { return all.newest() > event + 200; });
+    };
+    int undone = 0;
+    for (int round = 1; round <= 8; ++round) {
+        file.write(content(round));
+        auto up = swarm.hivectl_running({"up", file}, "up");
+        std::this_thread::sleep_for(50ms * round);  // the moment varies: during its start, a stop, or a start
+        up.signal(SIGINT);
+        const auto exit = up.wait(patient(20'000ms));
+        CHECK_MESSAGE((exit == 0 || exit == 130), swarm.log("up"));
+        undone += exit == 130 ? 1 : 0;
+    }
+    CHECK(undone > 0);
     const auto of_results = results.newest(), of_join = join.newest();
     CHECK(passed(results, of_results));
     CHECK(passed(join, of_join));

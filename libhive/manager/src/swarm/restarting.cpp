@@ -1,6 +1,8 @@
 // Stops all drones, then starts all.
 #include "restarting.hpp"
 
+#include <hive/event/clock.hpp>
+
 #include <algorithm>
 #include <iterator>
 #include <utility>
@@ -16,6 +18,9 @@ Restarting::Restarting(Application& application, const Differences& differences)
       before_(application, differences.ran)
 {
     std::ranges::transform(differences.ran.drones, std::back_inserter(drones_), &SwarmDrone::name);
+    for (const auto& step : differences.steps)
+        if (step.what == SwarmStep::What::restart)
+            (step.values.contains("on") ? moved_ : back_).push_back(step.drone);
 }
 
 std::vector<SwarmFailure> Restarting::run(std::chrono::milliseconds timeout, const SwarmWatch& watch)
@@ -33,16 +38,12 @@ std::vector<SwarmFailure> Restarting::run(std::chrono::milliseconds timeout, con
 /// machine.
 std::vector<SwarmFailure> Restarting::stop()
 {
-    std::vector<std::string> back, moved;
-    for (const auto& step : differences_.steps)
-        if (step.what == SwarmStep::What::restart)
-            (step.values.contains("on") ? moved : back).push_back(step.drone);
     for (const auto& connection : differences_.ran.connections)
         if (std::ranges::none_of(differences_.kept,
                                  [&](const SwarmConnection& kept) { return same_ends(kept, connection); }))
             disconnect(connection);
-    auto failures = failures_in(application_.stop_to_restart(back));
-    std::ranges::move(failures_in(application_.stop(moved)), std::back_inserter(failures));
+    auto failures = failures_in(application_.stop_to_restart(back_));
+    std::ranges::move(failures_in(application_.stop(moved_)), std::back_inserter(failures));
     return failures;
 }
 
@@ -54,10 +55,22 @@ try {
         throw;
 }
 
+/// Those that follow them lose nothing either. A new process that cannot be asked yet will be soon, unless it hangs.
+void Restarting::stop_new()
+{
+    auto asked = back_;
+    std::erase_if(asked, [&](const std::string& drone) { return !now_.begun().contains(drone); });
+    for (const auto until = event::Clock::now() + 2s; !asked.empty() && event::Clock::now() < until; now_.wait())
+        for (const auto& answer : application_.stop_to_restart(std::exchange(asked, {})))
+            if (answer.error && now_.waiting().contains(answer.drone))
+                asked.push_back(answer.drone);
+}
+
 std::vector<SwarmFailure> Restarting::undo()
 {
     if (!std::exchange(begun_, false))
         return {};
+    stop_new();
     auto remains = now_.undo();
     std::vector<std::string> gone;
     for (const auto& answer : application_.status(drones_))

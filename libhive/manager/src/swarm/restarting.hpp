@@ -18,12 +18,13 @@ public:
 
 private:
     std::vector<SwarmFailure> stop();
+    void stop_new();
     void disconnect(const SwarmConnection& connection);
     std::vector<SwarmFailure> connect(const std::vector<SwarmConnection>& connections);
 
     Application& application_;
     const Differences& differences_;
-    std::vector<std::string> drones_{};
+    std::vector<std::string> drones_{}, back_{}, moved_{};  ///< all; those that come back on their machine, or not
     Starting now_, before_;
     bool begun_ = false;
 };

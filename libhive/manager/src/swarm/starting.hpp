@@ -24,12 +24,16 @@ public:
     void begin(const std::vector<std::string>& drones, std::chrono::milliseconds timeout);
     /// Does not block. Returns failures since the last call, in time or late.
     std::vector<SwarmFailure> poll(const SwarmWatch& watch = {});
+    /// All that were started.
+    [[nodiscard]] const std::set<std::string>& begun() const noexcept { return begun_; }
     /// Those that are neither ready nor failed.
     [[nodiscard]] const std::set<std::string>& waiting() const noexcept { return waiting_; }
 
     /// Returns when all are ready, or at the first failure.
     std::vector<SwarmFailure> run(const std::vector<std::string>& drones, std::chrono::milliseconds timeout,
                                   const SwarmWatch& watch);
+    /// Until something may have changed, at most 10 ms.
+    void wait();
     /// Stops the drones that were started, at most 2 s after their deadline to be ready. Returns those that cannot be
     /// stopped.
     std::vector<SwarmFailure> undo() { return undo(std::max(end_, event::Clock::now()) + std::chrono::seconds(2)); }
@@ -38,7 +42,6 @@ public:
 private:
     Engine& engine_of(const SwarmDrone& drone);
     void forget_places(const std::set<std::string>& drones);
-    void wait();
     void hear_engines();
     void look_who_is_ready(const SwarmWatch& watch);
     void hear(const StatusAnswer& answer, const SwarmWatch& watch);
