@@ -156,6 +156,8 @@ Welcome ReceiverTable::join(const Newcomer& newcomer, Clock::time_point now, Dec
     Welcome welcome{.group = group.subscription.standing()};
     group.emptied = 0;
     group.lost.erase(newcomer.receiver);
+    for (auto& [receiver, until] : group.lost)
+        until = std::min(until.value_or(Clock::time_point::max()), now + Subscription::kept_for);
     Member& member = group.members[newcomer.receiver];
     const bool resumes = newcomer.taken && newcomer.place == member.place && group.subscription.may_resume(member.kept);
     welcome.place = member.place = resumes ? member.place : new_place();
@@ -231,7 +233,7 @@ bool ReceiverTable::told_end(Id id) const
 
 void ReceiverTable::leave(Id id, Clock::time_point now, Decisions& decisions)
 {
-    depart(id, Fate::lost_left, true, now, decisions);
+    depart(id, Fate::lost_left, false, now, decisions);
 }
 
 void ReceiverTable::lose(Id id, Fate how, bool returns, Clock::time_point now, Decisions& decisions)
@@ -247,6 +249,10 @@ void ReceiverTable::depart(Id id, Fate how, bool returns, Clock::time_point now,
     const Seat& seat = found.mapped();
     if (seat.heir)
         bequeath(id, *seat.heir);
+    if (seat.group) {
+        forget_late(*seat.group, now);
+        returns = returns || (how == Fate::lost_left && !seat.group->lost.empty());
+    }
     Subscription& subscription = seat.subscription();
     const auto heir = seat.heir ? seats_.find(*seat.heir) : seats_.end();
     if (heir == seats_.end() || &heir->second.subscription() == &subscription
@@ -284,12 +290,28 @@ void ReceiverTable::departed(const Seat& seat, Fate how, bool followed, Clock::t
     const auto member = seat.group->members.find(seat.receiver);
     unregister(member->second.registered);
     const bool left = how == Fate::lost_left || followed;
-    if (!left && seat.group->lost.size() < max_gone)
-        seat.group->lost.insert(seat.receiver);
+    if (!left && member->second.registered.now == 0)
+        remember_lost(*seat.group, seat.receiver, now);
     const auto away =
         std::ranges::count_if(seat.group->members, [](auto& row) { return row.second.kept.away.has_value(); });
     if (seat.place == member->second.place && (left || away > static_cast<std::ptrdiff_t>(max_awaited)))
         seat.group->subscription.forget_away(member->second.kept, now, decisions);
+}
+
+/// If it was the last member, nobody works meanwhile, and they may return at any time.
+void ReceiverTable::remember_lost(Group& group, const std::string& receiver, Clock::time_point now)
+{
+    if (group.lost.size() < max_gone)
+        group.lost.insert_or_assign(receiver, now + Subscription::kept_for);
+    if (group.subscription.awaited())
+        for (auto& [each, until] : group.lost)
+            until.reset();
+}
+
+/// Forgets lost members that have not returned in time.
+void ReceiverTable::forget_late(Group& group, Clock::time_point now)
+{
+    std::erase_if(group.lost, [&](const auto& row) { return row.second && *row.second <= now; });
 }
 
 void ReceiverTable::unregister(Registered& registered)
@@ -406,6 +428,9 @@ void ReceiverTable::tick(Clock::time_point now, Decisions& decisions)
         plain.subscription.tick(now, decisions);
     for (auto& [name, group] : groups_) {
         group.subscription.tick(now, decisions);
+        forget_late(group, now);
+        if (group.subscription.awaited() && group.lost.empty())
+            stop_waiting(group, decisions);
         for (auto& [receiver, member] : group.members)
             if (member.kept.away && member.kept.away->since + Subscription::kept_for <= now)
                 group.subscription.forget_away(member.kept, now, decisions);
@@ -416,8 +441,8 @@ void ReceiverTable::expect(const Subscriber& subscriber, std::optional<Clock::ti
 {
     if (!subscriber.group.empty()) {
         Group& group = group_named(subscriber.group);
-        group.lost.insert(subscriber.receiver);
-        return group.subscription.expect(until, subscriber.missed);
+        group.lost.emplace(subscriber.receiver, until);
+        return group.subscription.expect(std::nullopt, subscriber.missed);
     }
     const bool unique = subscriber.pid == 0;
     Plain& plain = plain_.emplace_back(
@@ -458,18 +483,16 @@ std::size_t ReceiverTable::forget(const std::string& drone, Decisions& decisions
             plain.subscription.cancel(decisions);
         }
     for (auto& [name, group] : groups_) {
-        const bool ends =
-            group.subscription.awaited()
-            && std::ranges::any_of(group.lost, [&](const std::string& name_of) { return belongs_to(name_of, drone); });
+        const auto of_drone = [&](const auto& row) { return belongs_to(row.first, drone); };
+        const bool waited = std::erase_if(group.lost, of_drone) > 0 && group.subscription.awaited();
+        forgotten += waited ? 1 : 0;
         for (auto& [receiver, member] : group.members)
             if (belongs_to(receiver, drone) && member.kept.away) {
                 member.kept.away->since -= Subscription::kept_for;  // the next tick forgets it
-                forgotten += ends ? 0 : 1;
+                forgotten += waited ? 0 : 1;
             }
-        if (ends) {
+        if (waited && group.lost.empty())
             stop_waiting(group, decisions);
-            ++forgotten;
-        }
     }
     return forgotten;
 }

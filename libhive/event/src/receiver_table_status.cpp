@@ -2,6 +2,7 @@
 #include <hive/event/receiver_table.hpp>
 
 #include <algorithm>
+#include <set>
 #include <tuple>
 #include <utility>
 
@@ -53,8 +54,11 @@ Demand ReceiverTable::demand() const
 bool ReceiverTable::timed() const
 {
     const auto is_away = [](const auto& row) { return row.second.kept.away.has_value(); };
-    return any(&Subscription::timed)
-           || std::ranges::any_of(groups_, [&](auto& row) { return std::ranges::any_of(row.second.members, is_away); });
+    const auto has_limit = [](const auto& row) { return row.second.has_value(); };
+    return any(&Subscription::timed) || std::ranges::any_of(groups_, [&](const auto& row) {
+               const Group& group = row.second;
+               return std::ranges::any_of(group.members, is_away) || std::ranges::any_of(group.lost, has_limit);
+           });
 }
 
 /// Does any event wait here for a receiver?
@@ -91,7 +95,9 @@ std::vector<Subscriber> ReceiverTable::subscribers() const
     for (const auto& [name, group] : groups_) {
         if (!group.subscription.active())
             continue;
-        std::set<std::string> members = group.lost;
+        std::set<std::string> members;
+        for (const auto& [receiver, until] : group.lost)
+            members.insert(receiver);
         for (const auto& [id, seat] : seats_)
             if (seat.group == &group && !seat.heir)
                 members.insert(seat.receiver);

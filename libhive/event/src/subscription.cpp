@@ -405,7 +405,7 @@ void Subscription::tick(Clock::time_point now, Decisions& decisions)
 {
     missed_more_ = false;
     if (awaited_ && awaited_until_ && *awaited_until_ <= now)
-        shared() ? cancel(decisions) : stop_waiting();
+        stop_waiting();
     if (!shared())
         return;
     const auto lease = this->lease();

@@ -154,15 +154,15 @@ void Subscription::let_go(ReceiverId id, Consumer& consumer, Fate how, bool retu
 void Subscription::last_one_left(Consumer&& last, Fate how, bool returns, Clock::time_point now, Decisions& decisions)
 {
     end_live(shared() ? Fate::skipped : how);
-    awaited_ = how != Fate::lost_left && (shared() || returns) && worth_keeping();
-    awaited_until_.reset();
+    const bool waits = returns || (shared() && how != Fate::lost_left);
+    awaited_ = waits && worth_keeping();
     if (shared()) {
-        if (how == Fate::lost_left)
+        if (!waits)
             give_up(false, decisions);
         return;
     }
     if (!awaited_) {
-        if (kind_.application && returns && how != Fate::lost_left) {
+        if (kind_.application && returns) {
             missing_as_ = how;
             live_missed_until_ = now + kept_for;
             unsure_from_ = unsure_to_ = 0;

@@ -11,8 +11,9 @@ namespace {
 Sequences failed_at(OneConsumer& one, Fate how)
 {
     Sequences all;
-    for (const auto& failed :
-         decided([&](Decisions& to) { one.subscription.detach(1, how, true, one.now, to); }).failed_at)
+    for (const auto& failed : decided([&](Decisions& to) {
+                                  one.subscription.detach(1, how, how != Fate::lost_left, one.now, to);
+                              }).failed_at)
         all.push_back(failed.worked ? -sequence_of(failed.event) : sequence_of(failed.event));
     return all;
 }

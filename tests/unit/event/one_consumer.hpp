@@ -25,7 +25,8 @@ struct OneConsumer {
     /// @return  whether its source waits for it
     bool lose(Fate how, bool returns = true)
     {
-        deliver(decided([&](Decisions& to) { subscription.detach(1, how, returns, now, to); }));
+        deliver(
+            decided([&](Decisions& to) { subscription.detach(1, how, returns && how != Fate::lost_left, now, to); }));
         return subscription.awaited();
     }
     /// It comes back with what it has had, or as a new process.

@@ -136,6 +136,27 @@ TEST_CASE("expect: a group is there when the first of its members is, and gives 
     CHECK(alone.table.why() == Reason::no_receiver);
 }
 
+TEST_CASE(
+    "expect: of a group, one comes and leaves before the others are there: they are waited for, as long as was said")
+{
+    World world;
+    expect(world, "x.image", "workers");
+    expect(world, "y.image", "workers");
+    world.add(drone(3, "y.image", sharing(1)));
+    world.add(drone(9, "z.image", window(64)));
+    world.pass(20s);
+    world.leave(3);
+    world.offer(1, true);
+    CHECK(world.table.why() == Reason::group_awaited);
+    SUBCASE("one comes") { CHECK(world.add(drone(4, "x.image", sharing(1))) == Got{{4, {1}}}); }
+    SUBCASE("none comes")
+    {
+        world.pass(11s);
+        CHECK(world.failed == Sequences{1});
+        CHECK(world.table.why() != Reason::group_awaited);
+    }
+}
+
 TEST_CASE("expect: who is remembered is whom the source waits for, and no one else")
 {
     World world;

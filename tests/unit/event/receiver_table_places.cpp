@@ -397,6 +397,68 @@ TEST_CASE("awaited group: forgetting one of the drones that were lost lets it go
     CHECK(world.failed == Sequences{2});  // face-1 may have answered event 1
 }
 
+TEST_CASE("awaited group: while a lost member may return, the group is awaited when the last present member leaves")
+{
+    World world;
+    world.add(1, "face-1.image", sharing());
+    world.add(2, "face-2.image", sharing());
+    world.add(9, "view", window(64));
+    world.offer(1, true);
+    world.lose(1, Fate::lost_killed);
+    SUBCASE("it has all events that come meanwhile")
+    {
+        world.leave(2);
+        CHECK(world.table.why() == Reason::group_awaited);
+        CHECK(world.offer(2, true) == Got{{9, {2}}});
+        CHECK(world.failed.empty());
+        CHECK(world.add(3, "face-1.image", sharing(4)) == Got{{3, {1, 2}}});
+    }
+    SUBCASE("for 30 s at most")
+    {
+        world.leave(2);
+        world.offer(2, true);
+        world.pass(31s);
+        CHECK(world.failed == Sequences{2});  // face-1 may have answered event 1
+        CHECK_FALSE(world.table.timed());
+        world.add(3, "face-3.image", sharing());
+        world.leave(3);
+        CHECK(world.table.why() != Reason::group_awaited);
+    }
+    SUBCASE("forgetting one of two that were lost lets go only that one")
+    {
+        world.add(3, "face-3.image", sharing());
+        world.lose(3, Fate::lost_killed);
+        world.leave(2);
+        CHECK(world.forget("face-1") == 1);
+        CHECK(world.table.why() == Reason::group_awaited);
+        CHECK(world.forget("face-3") == 1);
+        CHECK(world.table.why() != Reason::group_awaited);
+    }
+    SUBCASE("not for one that was forgotten before")
+    {
+        world.forget("face-1");
+        world.leave(2);
+        CHECK(world.table.why() != Reason::group_awaited);
+    }
+    SUBCASE("not for one without which the others have worked for 30 s")
+    {
+        world.pass(30s);
+        world.leave(2);
+        CHECK(world.table.why() != Reason::group_awaited);
+    }
+    SUBCASE("nobody worked meanwhile, so these 30 s begin when the first one is back")
+    {
+        world.lose(2, Fate::lost_killed);
+        world.pass(1h);
+        world.add(3, "face-2.image", sharing());
+        world.pass(29s);
+        world.leave(3);
+        CHECK(world.table.why() == Reason::group_awaited);
+        world.pass(2s);
+        CHECK(world.table.why() != Reason::group_awaited);
+    }
+}
+
 TEST_CASE("awaited group: work of a source on demand holds the source up until a member is there again")
 {
     World world;

@@ -199,8 +199,9 @@ private:
         const Peer peer = std::move(found->second);
         peers_.erase(found);
         const auto how = dice_.yes(25) ? Fate::lost_left : any_loss(dice_);
-        const bool last = peers_.empty(), returns = dice_.yes(90);
-        if (last && how == Fate::lost_left)
+        const bool left = how == Fate::lost_left, last = peers_.empty();
+        const bool returns = dice_.yes(left ? 50 : 90) && (shared_ || !left);
+        if (last && left && !returns)
             owed_.clear();
         excused_ = !returns;
         lost_at_ = now_;

@@ -25,7 +25,7 @@ public:
         else if (kind <= 990)
             pass(std::chrono::milliseconds(dice_.between(1, 3000)));
         else if (kind <= 995)
-            decide([&](Decisions& to) { table_.forget("face-" + std::to_string(dice_.between(1, 5)), to); });
+            forget("face-" + std::to_string(dice_.between(1, 5)));
         else
             table_.release_held();
         if (++steps_ % 5000 == 0)
@@ -62,6 +62,8 @@ private:
     void offer()
     {
         const auto event = any_emission(dice_, ++sequence_, dice_.yes(50));
+        if (event->serves(Delivery::data))
+            lossless_ = event->lossless();
         decide([&](Decisions& to) { table_.offer(event, dice_.yes(50), now_, to); });
     }
 
@@ -80,6 +82,7 @@ private:
                           .options = options};
         if (!places_.empty() && dice_.yes(50))
             come_back(newcomer);
+        forget_lost(newcomer.receiver);
         const auto others =
             std::ranges::count_if(seats_, [&](const auto& row) { return row.second.name == newcomer.receiver; });
         const bool kept = newcomer.place != 0 || std::ranges::any_of(places_, [&](const auto& row) {
@@ -156,12 +159,43 @@ private:
         const auto found = dice_.one_of(seats_);
         const auto [id, seat] = *found;
         seats_.erase(found);
-        if (dice_.yes(30))
-            return decide([&, who = id](Decisions& to) { table_.leave(who, now_, to); });
+        if (dice_.yes(30)) {
+            decide([&, who = id](Decisions& to) { table_.leave(who, now_, to); });
+            return check_awaited(seat.options.group);
+        }
         std::erase_if(places_, [&](const auto& row) { return row.second.place == seat.place; });
         if (seat.place != 0 && places_.size() < 8)
             places_[id] = seat;
-        decide([&, who = id](Decisions& to) { table_.lose(who, any_loss(dice_), dice_.yes(90), now_, to); });
+        const bool returns = dice_.yes(90);
+        const bool has_twin = std::ranges::any_of(seats_, [&](const auto& row) {
+            return row.second.name == seat.name && row.second.options.group == seat.options.group;
+        });
+        if (returns && !has_twin)
+            lost_[seat.options.group][seat.name] = now_;
+        decide([&, who = id](Decisions& to) { table_.lose(who, any_loss(dice_), returns, now_, to); });
+    }
+    void forget(const std::string& drone)
+    {
+        forget_lost(drone);
+        decide([&](Decisions& to) { table_.forget(drone, to); });
+    }
+    void forget_lost(const std::string& name)
+    {
+        for (auto& [group, lost] : lost_)
+            lost.erase(name);
+    }
+    /// A member left. If it was the last one, its group may still wait for others.
+    void check_awaited(const std::string& group) const
+    {
+        const auto lost = lost_.find(group);
+        if (group.empty() || !lossless_ || lost == lost_.end()
+            || std::ranges::any_of(seats_, [&](const auto& row) { return row.second.options.group == group; })
+            || std::ranges::none_of(lost->second,
+                                    [&](const auto& row) { return row.second + Subscription::kept_for > now_; }))
+            return;
+        for (const auto& [id, status] : table_.rows())
+            hold(status.receiver != "group " + group || status.connected,
+                 "a group whose last member left is awaited while one that was lost may return");
     }
 
     void pass(Clock::duration time)
@@ -225,7 +259,9 @@ private:
     ReceiverTable table_;
     Clock::time_point now_ = start;
     std::map<ReceiverId, Seat> seats_;
-    std::map<ReceiverId, Seat> places_;              ///< of those that were lost, as they remember them
+    std::map<ReceiverId, Seat> places_;  ///< of those that were lost, as they remember them
+    std::map<std::string, std::map<std::string, Clock::time_point>> lost_;  ///< by group, since when
+    bool lossless_ = true;                           ///< was the last event? Then another one is expected
     std::map<std::string, std::int64_t> inherited_;  ///< what was emitted until then may have been in a group
     ReceiverId last_id_ = 0;
     std::int64_t sequence_ = 0;

@@ -44,7 +44,7 @@ public:
     }
     Got leave(ReceiverId id)
     {
-        return got([&](Decisions& to) { subscription.detach(id, Fate::lost_left, true, now, to); });
+        return got([&](Decisions& to) { subscription.detach(id, Fate::lost_left, false, now, to); });
     }
     Got lose(ReceiverId id, Fate how = Fate::lost_killed)
     {

@@ -6,7 +6,7 @@
 
 #include <list>
 #include <map>
-#include <set>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -160,8 +160,9 @@ private:
     struct Group {
         Subscription subscription;
         std::map<std::string, Member> members{};  ///< including lost ones
-        std::set<std::string> lost{};             ///< lost members that may return
-        std::uint64_t emptied = 0;                ///< order in which groups lost their last member; 0: not empty
+        /// Members that may return, and until when; empty: at any time.
+        std::map<std::string, std::optional<Clock::time_point>> lost{};
+        std::uint64_t emptied = 0;  ///< order in which groups lost their last member; 0: not empty
     };
     struct Seat {  ///< a registration
         std::string receiver;
@@ -190,6 +191,8 @@ private:
     void depart(Id id, Fate how, bool returns, Clock::time_point now, Decisions& decisions);
     void bequeath(Id before, Id heir);
     void departed(const Seat& seat, Fate how, bool followed, Clock::time_point now, Decisions& decisions);
+    static void remember_lost(Group& group, const std::string& receiver, Clock::time_point now);
+    static void forget_late(Group& group, Clock::time_point now);
     void unregister(Registered& registered);
     [[nodiscard]] bool any(bool (Subscription::*like)() const) const;
     [[nodiscard]] bool waits() const;

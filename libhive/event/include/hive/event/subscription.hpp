@@ -23,7 +23,8 @@
 // failed at.
 //
 // The three departures of a consumer (detach):
-//   left   it deregistered and has acknowledged all that it will. If it was the last, what is left ends.
+//   left   it deregistered and has acknowledged all that it will. If it was the last, what is left ends, unless the
+//          subscription is shared and another one that was lost may return.
 //   lost   its connection ended; it may have processed its deliveries. It may return within 30 s, report how much it
 //          received, and resume there. Shared: its jobs are requeued meanwhile, and the first answer counts. If it does
 //          not resume, it may have answered, so such a job (`in_doubt`) is not reported as failed as long as another
@@ -99,7 +100,7 @@ public:
     /// The connection has written an event.
     void written(ReceiverId id, std::size_t bytes, Clock::time_point now, Decisions& decisions);
     /// @param how      one of Fate::lost_...
-    /// @param returns  false: it will not return
+    /// @param returns  may it return, or another one that was lost, if it left a shared subscription?
     void detach(ReceiverId id, Fate how, bool returns, Clock::time_point now, Decisions& decisions);
     /// This consumer, which lost its connection, will not resume.
     void forget_away(Member& member, Clock::time_point now, Decisions& decisions);
@@ -115,7 +116,7 @@ public:
     /// Its consumer was absent for too long: waiting events are lost, and further missed ones are counted.
     void stop_waiting();
     /// For a new subscription: an earlier run of this drone had a consumer, which will return.
-    /// @param until  empty: no limit
+    /// @param until  empty: no limit, which a shared one has elsewhere
     void expect(std::optional<Clock::time_point> until, Missed missed);
     /// For a new subscription: an earlier run of this drone had already stopped waiting for the consumer.
     void go_on_missing(Missed missed);
