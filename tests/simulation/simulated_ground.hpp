@@ -169,6 +169,7 @@ private:
     int disturbances_ = 0;  ///< faults so far, and orders that are not for the source
     int liars_ = 0, watchers_ = 0, callers_ = 0;
     std::vector<Process*> guests_;  ///< processes outside of the round: liars, their receivers, and watchers
+    bool stops_ = false;            ///< a drone is being stopped
     Process* watching_ = nullptr;   ///< of them, the last watcher
     bool ending_ = false;
     std::vector<std::string> fallen_;  ///< of them

@@ -59,7 +59,9 @@ void SimulatedGround::perform(const Step& step)
         wait_until_heard();
     else
         silence_sometimes();
+    stops_ = step.verb == Verb::stop;
     perform_now(step);
+    stops_ = false;
     if (has(mixtures::fault::clocks) || has(mixtures::fault::part))
         world_.sleep(20ms);  // until all that the network had for an earlier run has been refused
 }

@@ -19,8 +19,10 @@ void Liveness::pinged(Clock::time_point now)
 
 void Liveness::answered(Clock::time_point now, std::size_t unanswered)
 {
-    if (unanswered_)
+    if (unanswered_) {
         answer_ = std::max(answer_ / 2, now - *unanswered_);
+        received_ = unanswered > 0 ? *unanswered_ : probed_;
+    }
     unanswered_.reset();
     if (unanswered > 0)  // they were sent before now
         unanswered_ = now;
@@ -32,7 +34,8 @@ bool Liveness::seemed_dead(Clock::duration late, Clock::time_point now) const
 {
     const auto time_to_answer = std::max<Clock::duration>(timing_.heartbeat / 2, 2 * answer_);
     const bool unheard = unanswered_ && heard_ >= *unanswered_ + time_to_answer;
-    return unheard || late >= longest_pause() || (back_ && now < *back_ + 2 * timing_.heartbeat);
+    return unheard || late >= longest_pause() || (back_ && now < *back_ + 2 * timing_.heartbeat)
+           || now >= received_ + timing_.silence + answer_;
 }
 
 void Liveness::heard(Clock::time_point now, std::size_t bytes, bool fresh)

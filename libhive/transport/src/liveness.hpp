@@ -16,7 +16,7 @@ public:
     using Clock = platform::SteadyClock;
 
     Liveness(const Timing& timing, Clock::time_point now)
-        : timing_(timing), started_(now), heard_(now), probed_(now), window_(now)
+        : timing_(timing), started_(now), heard_(now), received_(now), probed_(now), window_(now)
     {
     }
 
@@ -36,7 +36,7 @@ public:
     void excuse(Clock::duration late, Clock::time_point now);
 
     /// May the peer have declared this end dead? Either this end was, until now or just before, blocked for long, or
-    /// the peer continued to send but did not answer a ping.
+    /// the peer continued to send but did not answer a ping, or it may have heard nothing for so long.
     /// @param late  blocked time that is not excused yet
     [[nodiscard]] bool seemed_dead(Clock::duration late, Clock::time_point now) const;
     /// A ping is due: something was sent once (so the hello is first), but not lately.
@@ -57,7 +57,9 @@ private:
     [[nodiscard]] bool too_slow(Clock::time_point now);
 
     Timing timing_;
-    Clock::time_point started_, heard_, probed_;    ///< probed: the last ping, at first the start
+    Clock::time_point started_, heard_;
+    Clock::time_point received_;  ///< when the last ping was sent that the peer answered; at first the start
+    Clock::time_point probed_;    ///< the last ping, at first the start
     std::optional<Clock::time_point> sent_, back_;  ///< back: from the last long pause
     std::optional<Clock::time_point> unanswered_;   ///< a ping has no answer since then
     Clock::duration answer_{};                      ///< the longest of the last times of an answer; older ones fade

@@ -47,13 +47,15 @@ TEST_CASE("liveness: the time in which this end itself was held up does not coun
 TEST_CASE("liveness: an end that is held up for 1.5 s may be taken for dead, until 1 s after it goes on")
 {
     Liveness own(standard, zero);
-    CHECK_FALSE(own.seemed_dead(1499ms, zero + 10s));
-    CHECK(own.seemed_dead(1500ms, zero + 10s));
-    own.excuse(1499ms, zero + 10s);
-    CHECK_FALSE(own.seemed_dead(0s, zero + 10s));
-    own.excuse(1500ms, zero + 13s);
-    CHECK(own.seemed_dead(0s, zero + 13999ms));
-    CHECK_FALSE(own.seemed_dead(0s, zero + 14s));
+    CHECK_FALSE(own.seemed_dead(1499ms, zero + 1500ms));
+    CHECK(own.seemed_dead(1500ms, zero + 1500ms));
+    own.excuse(1499ms, zero + 1500ms);
+    CHECK_FALSE(own.seemed_dead(0s, zero + 1500ms));
+    own.excuse(1500ms, zero + 3s);
+    own.pinged(zero + 3s);
+    own.answered(zero + 3s, 0);
+    CHECK(own.seemed_dead(0s, zero + 3999ms));
+    CHECK_FALSE(own.seemed_dead(0s, zero + 4s));
 }
 
 TEST_CASE("liveness: a ping is due after a pause in sending, but never before the first packet")
@@ -90,9 +92,9 @@ TEST_CASE("liveness: who sends something and has not answered a ping by then may
     own.sent(zero);
     own.pinged(zero + 1s);
     own.heard(zero + 1249ms, 1, true);
-    CHECK_FALSE(own.seemed_dead(0s, zero + 3s));  // frozen since then, or killed
+    CHECK_FALSE(own.seemed_dead(0s, zero + 1999ms));  // frozen since then, or killed
     own.heard(zero + 1250ms, 1, true);
-    CHECK(own.seemed_dead(0s, zero + 3s));
+    CHECK(own.seemed_dead(0s, zero + 1999ms));
     own.pinged(zero + 2s);
     own.answered(zero + 2s, 1);  // the second ping has no answer yet
     own.heard(zero + 2249ms, 1, true);
@@ -100,6 +102,18 @@ TEST_CASE("liveness: who sends something and has not answered a ping by then may
     own.answered(zero + 2249ms, 0);
     own.heard(zero + 3s, 1, true);
     CHECK_FALSE(own.seemed_dead(0s, zero + 3s));
+}
+
+TEST_CASE("liveness: who has answered no ping since 2 s, and the time of an answer, may have heard nothing")
+{
+    Liveness own(standard, zero);
+    own.hello_came();
+    CHECK_FALSE(own.seemed_dead(0s, zero + 1999ms));
+    CHECK(own.seemed_dead(0s, zero + 2s));
+    own.pinged(zero + 1s);
+    own.answered(zero + 1300ms, 0);
+    CHECK_FALSE(own.seemed_dead(0s, zero + 3299ms));
+    CHECK(own.seemed_dead(0s, zero + 3300ms));
 }
 
 TEST_CASE("liveness: the time in which this end was blocked does not count against an answer")
@@ -110,7 +124,7 @@ TEST_CASE("liveness: the time in which this end was blocked does not count again
     own.pinged(zero);
     own.excuse(1s, zero + 1s);
     own.heard(zero + 1249ms, 1, true);
-    CHECK_FALSE(own.seemed_dead(0s, zero + 10s));
+    CHECK_FALSE(own.seemed_dead(0s, zero + 1999ms));
 }
 
 TEST_CASE("liveness: a packet must come at 64 KiB/s, in every window")
