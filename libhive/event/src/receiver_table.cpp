@@ -250,7 +250,7 @@ void ReceiverTable::depart(Id id, Fate how, bool returns, Clock::time_point now,
     if (seat.heir)
         bequeath(id, *seat.heir);
     if (seat.group) {
-        forget_late(*seat.group, now);
+        forget_expired(*seat.group, now);
         returns = returns || (how == Fate::lost_left && !seat.group->lost.empty());
     }
     Subscription& subscription = seat.subscription();
@@ -264,7 +264,7 @@ void ReceiverTable::depart(Id id, Fate how, bool returns, Clock::time_point now,
         if (last)
             heir->second.subscription().adopt(std::move(subscription), how == Fate::lost_left, now, decisions);
     }
-    departed(seat, how, heir != seats_.end(), now, decisions);
+    departed(seat, how, heir != seats_.end(), returns, now, decisions);
     forget_awaited();
     forget_gone();
     forget_empty_groups(decisions);
@@ -278,7 +278,8 @@ void ReceiverTable::bequeath(Id before, Id heir)
             seat.heir = heir;
 }
 
-void ReceiverTable::departed(const Seat& seat, Fate how, bool followed, Clock::time_point now, Decisions& decisions)
+void ReceiverTable::departed(const Seat& seat, Fate how, bool followed, bool returns, Clock::time_point now,
+                             Decisions& decisions)
 {
     if (seat.plain) {
         unregister(seat.plain->registered);
@@ -290,7 +291,7 @@ void ReceiverTable::departed(const Seat& seat, Fate how, bool followed, Clock::t
     const auto member = seat.group->members.find(seat.receiver);
     unregister(member->second.registered);
     const bool left = how == Fate::lost_left || followed;
-    if (!left && member->second.registered.now == 0)
+    if (!left && member->second.registered.now == 0 && (returns || seat.group->subscription.awaited()))
         remember_lost(*seat.group, seat.receiver, now);
     const auto away =
         std::ranges::count_if(seat.group->members, [](auto& row) { return row.second.kept.away.has_value(); });
@@ -309,7 +310,7 @@ void ReceiverTable::remember_lost(Group& group, const std::string& receiver, Clo
 }
 
 /// Forgets lost members that have not returned in time.
-void ReceiverTable::forget_late(Group& group, Clock::time_point now)
+void ReceiverTable::forget_expired(Group& group, Clock::time_point now)
 {
     std::erase_if(group.lost, [&](const auto& row) { return row.second && *row.second <= now; });
 }
@@ -428,7 +429,7 @@ void ReceiverTable::tick(Clock::time_point now, Decisions& decisions)
         plain.subscription.tick(now, decisions);
     for (auto& [name, group] : groups_) {
         group.subscription.tick(now, decisions);
-        forget_late(group, now);
+        forget_expired(group, now);
         if (group.subscription.awaited() && group.lost.empty())
             stop_waiting(group, decisions);
         for (auto& [receiver, member] : group.members)

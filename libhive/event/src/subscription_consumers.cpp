@@ -154,10 +154,9 @@ void Subscription::let_go(ReceiverId id, Consumer& consumer, Fate how, bool retu
 void Subscription::last_one_left(Consumer&& last, Fate how, bool returns, Clock::time_point now, Decisions& decisions)
 {
     end_live(shared() ? Fate::skipped : how);
-    const bool waits = returns || (shared() && how != Fate::lost_left);
-    awaited_ = waits && worth_keeping();
+    awaited_ = (returns || (shared() && how != Fate::lost_left)) && worth_keeping();
     if (shared()) {
-        if (!waits)
+        if (how == Fate::lost_left && !awaited_)
             give_up(false, decisions);
         return;
     }

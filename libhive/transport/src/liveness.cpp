@@ -35,7 +35,7 @@ bool Liveness::seemed_dead(Clock::duration late, Clock::time_point now) const
     const auto time_to_answer = std::max<Clock::duration>(timing_.heartbeat / 2, 2 * answer_);
     const bool unheard = unanswered_ && heard_ >= *unanswered_ + time_to_answer;
     return unheard || late >= longest_pause() || (back_ && now < *back_ + 2 * timing_.heartbeat)
-           || now >= received_ + timing_.silence + answer_;
+           || now >= received_ + timing_.silence;
 }
 
 void Liveness::heard(Clock::time_point now, std::size_t bytes, bool fresh)

@@ -36,7 +36,7 @@ public:
     void excuse(Clock::duration late, Clock::time_point now);
 
     /// May the peer have declared this end dead? Either this end was, until now or just before, blocked for long, or
-    /// the peer continued to send but did not answer a ping, or it may have heard nothing for so long.
+    /// the peer continued to send but did not answer a ping, or may not have heard this end for `silence`.
     /// @param late  blocked time that is not excused yet
     [[nodiscard]] bool seemed_dead(Clock::duration late, Clock::time_point now) const;
     /// A ping is due: something was sent once (so the hello is first), but not lately.

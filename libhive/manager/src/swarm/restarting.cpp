@@ -2,6 +2,7 @@
 #include "restarting.hpp"
 
 #include <hive/event/clock.hpp>
+#include <hive/event/home.hpp>
 
 #include <algorithm>
 #include <iterator>
@@ -55,22 +56,30 @@ try {
         throw;
 }
 
-/// Those that follow them lose nothing either. A new process that cannot be asked yet will be soon, unless it hangs.
-void Restarting::stop_new()
+/// Those that follow them lose nothing either. One that has just begun is asked again soon; it takes nothing over
+/// before it can be asked.
+void Restarting::stop_new_processes()
 {
+    const event::Home home(application_.home());
     auto asked = back_;
     std::erase_if(asked, [&](const std::string& drone) { return !now_.begun().contains(drone); });
-    for (const auto until = event::Clock::now() + 2s; !asked.empty() && event::Clock::now() < until; now_.wait())
-        for (const auto& answer : application_.stop_to_restart(std::exchange(asked, {})))
-            if (answer.error && now_.waiting().contains(answer.drone))
-                asked.push_back(answer.drone);
+    for (const auto until = event::Clock::now() + 2s; !asked.empty() && event::Clock::now() < until; now_.wait()) {
+        std::vector<std::string> reached;
+        for (const auto& answer : application_.status(asked))
+            if (!answer.error)
+                reached.push_back(answer.drone);
+        application_.stop_to_restart(reached);
+        std::erase_if(asked, [&](const std::string& drone) {
+            return std::ranges::find(reached, drone) != reached.end() || !home.alive(drone);
+        });
+    }
 }
 
 std::vector<SwarmFailure> Restarting::undo()
 {
     if (!std::exchange(begun_, false))
         return {};
-    stop_new();
+    stop_new_processes();
     auto remains = now_.undo();
     std::vector<std::string> gone;
     for (const auto& answer : application_.status(drones_))

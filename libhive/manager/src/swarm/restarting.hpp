@@ -18,7 +18,7 @@ public:
 
 private:
     std::vector<SwarmFailure> stop();
-    void stop_new();
+    void stop_new_processes();
     void disconnect(const SwarmConnection& connection);
     std::vector<SwarmFailure> connect(const std::vector<SwarmConnection>& connections);
 

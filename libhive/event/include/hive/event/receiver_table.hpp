@@ -160,7 +160,7 @@ private:
     struct Group {
         Subscription subscription;
         std::map<std::string, Member> members{};  ///< including lost ones
-        /// Members that may return, and until when; empty: at any time.
+        /// Members that may return, and until when; nullopt: no limit.
         std::map<std::string, std::optional<Clock::time_point>> lost{};
         std::uint64_t emptied = 0;  ///< order in which groups lost their last member; 0: not empty
     };
@@ -190,9 +190,9 @@ private:
     void offer_held(const Newcomer& newcomer, Clock::time_point now, Decisions& decisions);
     void depart(Id id, Fate how, bool returns, Clock::time_point now, Decisions& decisions);
     void bequeath(Id before, Id heir);
-    void departed(const Seat& seat, Fate how, bool followed, Clock::time_point now, Decisions& decisions);
+    void departed(const Seat& seat, Fate how, bool followed, bool returns, Clock::time_point now, Decisions& decisions);
     static void remember_lost(Group& group, const std::string& receiver, Clock::time_point now);
-    static void forget_late(Group& group, Clock::time_point now);
+    static void forget_expired(Group& group, Clock::time_point now);
     void unregister(Registered& registered);
     [[nodiscard]] bool any(bool (Subscription::*like)() const) const;
     [[nodiscard]] bool waits() const;

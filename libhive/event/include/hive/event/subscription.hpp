@@ -100,7 +100,7 @@ public:
     /// The connection has written an event.
     void written(ReceiverId id, std::size_t bytes, Clock::time_point now, Decisions& decisions);
     /// @param how      one of Fate::lost_...
-    /// @param returns  may it return, or another one that was lost, if it left a shared subscription?
+    /// @param returns  it may return; if it left a shared subscription: another one that was lost may return
     void detach(ReceiverId id, Fate how, bool returns, Clock::time_point now, Decisions& decisions);
     /// This consumer, which lost its connection, will not resume.
     void forget_away(Member& member, Clock::time_point now, Decisions& decisions);
@@ -116,7 +116,7 @@ public:
     /// Its consumer was absent for too long: waiting events are lost, and further missed ones are counted.
     void stop_waiting();
     /// For a new subscription: an earlier run of this drone had a consumer, which will return.
-    /// @param until  empty: no limit, which a shared one has elsewhere
+    /// @param until  empty: no limit; those of a group are in the ReceiverTable
     void expect(std::optional<Clock::time_point> until, Missed missed);
     /// For a new subscription: an earlier run of this drone had already stopped waiting for the consumer.
     void go_on_missing(Missed missed);
