@@ -56,22 +56,26 @@ try {
         throw;
 }
 
-/// Those that follow them lose nothing either. One that has just begun is asked again soon; it takes nothing over
-/// before it can be asked.
+/// Those that follow them lose nothing either. A process that cannot be asked yet has taken nothing over. It will soon,
+/// so it is asked again; one without its name may have crashed.
 void Restarting::stop_new_processes()
 {
     const event::Home home(application_.home());
+    const auto begin = event::Clock::now();
     auto asked = back_;
     std::erase_if(asked, [&](const std::string& drone) { return !now_.begun().contains(drone); });
-    for (const auto until = event::Clock::now() + 2s; !asked.empty() && event::Clock::now() < until; now_.wait()) {
+    while (!asked.empty()) {
         std::vector<std::string> reached;
         for (const auto& answer : application_.status(asked))
             if (!answer.error)
                 reached.push_back(answer.drone);
         application_.stop_to_restart(reached);
         std::erase_if(asked, [&](const std::string& drone) {
-            return std::ranges::find(reached, drone) != reached.end() || !home.alive(drone);
+            const auto waited = event::Clock::now() - begin;
+            return std::ranges::find(reached, drone) != reached.end() || waited >= (home.alive(drone) ? 2s : 200ms);
         });
+        if (!asked.empty())
+            now_.wait();
     }
 }
 
