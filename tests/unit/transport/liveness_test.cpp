@@ -98,7 +98,7 @@ TEST_CASE("liveness: who sends something and has not answered a ping by then may
     own.pinged(zero + 2s);
     own.answered(zero + 2s, 1);  // the second ping has no answer yet
     own.heard(zero + 2249ms, 1, true);
-    CHECK_FALSE(own.seemed_dead(0s, zero + 3s));
+    CHECK_FALSE(own.seemed_dead(0s, zero + 2999ms));
     own.answered(zero + 2249ms, 0);
     own.heard(zero + 3s, 1, true);
     CHECK_FALSE(own.seemed_dead(0s, zero + 3s));
