@@ -62,8 +62,9 @@ private:
     void offer()
     {
         const auto event = any_emission(dice_, ++sequence_, dice_.yes(50));
-        if (event->serves(Delivery::data))
-            lossless_ = event->lossless();
+        for (const char* group : {"workers", "others"})
+            if (event->serves(Delivery::data) && (!event->lossless() || has_member(group)))
+                lossless_[group] = event->lossless();
         decide([&](Decisions& to) { table_.offer(event, dice_.yes(50), now_, to); });
     }
 
@@ -184,12 +185,17 @@ private:
         for (auto& [group, lost] : lost_)
             lost.erase(name);
     }
+    [[nodiscard]] bool has_member(const std::string& group) const
+    {
+        return std::ranges::any_of(seats_, [&](const auto& row) { return row.second.options.group == group; });
+    }
     /// A member left. If it was the last one, its group may still wait for others.
     void check_awaited(const std::string& group) const
     {
         const auto lost = lost_.find(group);
-        if (group.empty() || !lossless_ || lost == lost_.end()
-            || std::ranges::any_of(seats_, [&](const auto& row) { return row.second.options.group == group; })
+        const auto lossless = lossless_.find(group);
+        if (group.empty() || has_member(group) || lost == lost_.end()
+            || (lossless != lossless_.end() && !lossless->second)
             || std::ranges::none_of(lost->second,
                                     [&](const auto& row) { return row.second + Subscription::kept_for > now_; }))
             return;
@@ -210,7 +216,7 @@ private:
         places_.clear();
         pass(Subscription::kept_for);
         for (const char* group : {"workers", "others"})
-            if (std::ranges::none_of(seats_, [&](const auto& row) { return row.second.options.group == group; })) {
+            if (!has_member(group)) {
                 ConnectionOptions options = window(2);
                 options.group = group;
                 Seat& seat = seats_[++last_id_];
@@ -261,7 +267,7 @@ private:
     std::map<ReceiverId, Seat> seats_;
     std::map<ReceiverId, Seat> places_;  ///< of those that were lost, as they remember them
     std::map<std::string, std::map<std::string, Clock::time_point>> lost_;  ///< by group, since when
-    bool lossless_ = true;                           ///< was the last event? Then another one is expected
+    std::map<std::string, bool> lossless_;  ///< by group: was the last event that was offered? Then others may follow
     std::map<std::string, std::int64_t> inherited_;  ///< what was emitted until then may have been in a group
     ReceiverId last_id_ = 0;
     std::int64_t sequence_ = 0;
