@@ -167,9 +167,9 @@ private:
     /// An event for which code of a plain drone or of a stage that shares is called: does it throw, each time?
     std::map<std::tuple<std::string, std::int64_t, std::int64_t, std::int64_t>, bool> throws_;
     int disturbances_ = 0;  ///< faults so far, and orders that are not for the source
+    bool stops_ = false;    ///< a drone is being stopped
     int liars_ = 0, watchers_ = 0, callers_ = 0;
     std::vector<Process*> guests_;  ///< processes outside of the round: liars, their receivers, and watchers
-    bool stops_ = false;            ///< a drone is being stopped
     Process* watching_ = nullptr;   ///< of them, the last watcher
     bool ending_ = false;
     std::vector<std::string> fallen_;  ///< of them

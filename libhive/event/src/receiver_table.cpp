@@ -299,7 +299,7 @@ void ReceiverTable::departed(const Seat& seat, Fate how, bool followed, bool ret
         seat.group->subscription.forget_away(member->second.kept, now, decisions);
 }
 
-/// If it was the last member, nobody works meanwhile, and they may return at any time.
+/// Once the last member is lost, there is no limit for the lost members to return.
 void ReceiverTable::remember_lost(Group& group, const std::string& receiver, Clock::time_point now)
 {
     if (group.lost.size() < max_gone)

@@ -446,7 +446,7 @@ TEST_CASE("awaited group: while a lost member may return, the group is awaited w
         world.leave(2);
         CHECK(world.table.why() != Reason::group_awaited);
     }
-    SUBCASE("nobody worked meanwhile, so these 30 s begin when the first one is back")
+    SUBCASE("if the whole group was lost, the 30 s begin when its first member is back")
     {
         world.lose(2, Fate::lost_killed);
         world.pass(1h);

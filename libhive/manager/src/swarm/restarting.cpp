@@ -56,8 +56,8 @@ try {
         throw;
 }
 
-/// Those that follow them lose nothing either. A process that cannot be asked yet has taken nothing over. It will soon,
-/// so it is asked again; one without its name may have crashed.
+/// The processes that follow them lose nothing either. A process that does not answer yet has taken nothing over. It is
+/// asked again for 2 s, or for 200 ms while it does not hold its name, since it may have crashed.
 void Restarting::stop_new_processes()
 {
     const event::Home home(application_.home());
