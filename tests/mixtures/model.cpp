@@ -113,6 +113,8 @@ void Model::before(const Step& step)
             left(edge.sender, edge.receiver, has_another(edge.sender, edge.receiver, false));
     if (step.verb == Verb::part)
         passes(step.number);
+    if (step.settle)
+        parted_ms_ = 0;
     if (step.verb == Verb::forget)
         left(step.sender, step.drone, has_another(step.sender, step.drone, true));
 }
@@ -120,7 +122,8 @@ void Model::before(const Step& step)
 /// @param ms  in which a place may be given up
 void Model::passes(int ms)
 {
-    if (ms > place_kept_ms)
+    parted_ms_ += ms;
+    if (parted_ms_ > place_kept_ms)
         excuse("");
     for (const auto& [drone, life] : condition_.lives()) {
         auto& away = away_ms_[drone];

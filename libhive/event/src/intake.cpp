@@ -19,7 +19,7 @@ constexpr auto dial_timeout_in_break = 600ms;  // for one attempt to dial then, 
 constexpr auto pause_after_refusal = 1s;       // the sender is up, and would refuse again
 constexpr auto leave_timeout = 30s;            // for work in progress at a stop
 constexpr auto lost_for_good = 30s;            // a sender lost for longer does not delay the end
-constexpr auto others_work = 2s;               // the same for a group's member, whom the others replace
+constexpr auto others_work = 2s;               // the same for a group's member, when another one is connected
 
 /// A socket file belongs to the drone of its name; a port may belong to another drone by now.
 std::optional<Error> wrong_peer(const IntakeSpec& spec, const Link& link)
@@ -389,12 +389,20 @@ std::optional<Error> Intake::refusal() const
 
 bool Intake::gone_for_good() const
 {
-    return !connected_ && (sender_leaves_ || Clock::now() - lost_at_ >= (of_member_ ? others_work : lost_for_good));
+    return !connected_ && (sender_leaves_ || Clock::now() - lost_at_ >= (replaced() ? others_work : lost_for_good));
+}
+
+/// Does another member of its sender's group do the work?
+bool Intake::replaced() const
+{
+    return !sender_group_.empty() && std::ranges::any_of(module_.intakes(), [this](const auto& other) {
+        return other->connected_ && other->sender_group_ == sender_group_;
+    });
 }
 
 std::string Intake::lacks() const
 {
-    return sender_leaves_ || of_member_ ? "" : spec_.sender + " was lost, and has not come back within 30 s";
+    return sender_leaves_ || replaced() ? "" : spec_.sender + " was lost, and has not come back within 30 s";
 }
 
 }  // namespace hive::event

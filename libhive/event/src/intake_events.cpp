@@ -137,7 +137,7 @@ std::int64_t Intake::note_share(Event& event)
     const auto before = std::find_if_not(shares.rbegin(), shares.rend(), [&](const Share& share) {
         return belongs_to(std::string_view(share.of).substr(0, share.of.find('#')), spec_.sender);
     });
-    of_member_ = before != shares.rend() && before->group();
+    sender_group_ = before != shares.rend() && before->group() ? before->of : "";
     const bool lossless = event.identity.lossless;
     if (shares.empty())
         return progress_.receive(lossless, 0);

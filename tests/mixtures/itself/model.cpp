@@ -99,6 +99,16 @@ TEST_CASE("mixtures: a kill, a halt and leaving a group are no excuse")
     CHECK(model.excused() == std::vector<std::string>{"a1"});
 }
 
+TEST_CASE("mixtures: two parts of the machines are one if nobody could reconnect in between")
+{
+    for (const bool checked : {false, true}) {
+        auto model = begun({plain({"a1"})});
+        model.before({.verb = Verb::part, .number = 15'000, .settle = checked});
+        model.before({.verb = Verb::part, .number = 15'000});
+        CHECK(model.excused() == (checked ? std::vector<std::string>{} : std::vector<std::string>{""}));
+    }
+}
+
 TEST_CASE("mixtures: what is collected in order is in order")
 {
     auto ordered = begun({shared({"a1", "a2"})}, true), any = begun({shared({"a1", "a2"})});

@@ -140,6 +140,7 @@ private:
     void try_to_leave();
     void end_if_done();
     [[nodiscard]] bool refuses_now() const;
+    [[nodiscard]] bool replaced() const;
     void tell(const std::optional<protocol::Request>& news);
 
     Module& module_;
@@ -173,7 +174,7 @@ private:
 
     std::int64_t sender_epoch_ = 0;
     InputProgress progress_;
-    bool of_member_ = false;       ///< the last event was work of a group to which the sender belongs
+    std::string sender_group_{};   ///< of whose work the last event was; empty: none
     bool sender_leaves_ = false;   ///< it said that it is being stopped
     bool unacknowledged_ = false;  ///< what arrives is discarded, and the sender is not told
 
