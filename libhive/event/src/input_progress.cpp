@@ -125,7 +125,8 @@ bool InputProgress::has_late_news() const
 
 std::optional<Request> InputProgress::last_news()
 {
-    return done_ > told_.done || !back_.empty() ? std::optional(tell(told_.id, worked_)) : std::nullopt;
+    const bool any = done_ > told_.done || worked_ > told_.worked || !back_.empty();
+    return any ? std::optional(tell(told_.id, worked_)) : std::nullopt;
 }
 
 Request InputProgress::acknowledge_all()

@@ -279,9 +279,7 @@ void Intake::hand_over()
     stage_ = std::max(stage_, Stage::leaving);
     timer_.cancel();
     answer(Error(Errc::stopped, spec_.receiver + ": another process takes over before this connection was made"));
-    if (connected_)
-        tell(progress_.last_news());
-    progress_.forget();
+    forget_unfinished();
     connected_ = false;
     release_link();  // what arrives from now on is sent again, to the other process
     end_if_done();
@@ -290,8 +288,16 @@ void Intake::hand_over()
 void Intake::leave_now()
 {
     acknowledge_held();
-    progress_.forget();
+    forget_unfinished();
     try_to_leave();
+}
+
+/// The sender must not give up as unprocessed what has a result already.
+void Intake::forget_unfinished()
+{
+    if (connected_)
+        tell(progress_.last_news());
+    progress_.forget();
 }
 
 /// Results that wait for their first receiver are kept, so their events can be acknowledged without loss.

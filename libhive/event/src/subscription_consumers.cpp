@@ -262,9 +262,10 @@ void Subscription::adopt(Subscription&& other, bool left, Clock::time_point now,
     if (other.passive())
         return other.end_live(Fate::lost_left);
     if (auto away = std::exchange(other.away_, std::nullopt)) {
-        for (const auto& handed : away->was.hands)
-            if (const auto job = other.open_.find(handed.job); job != other.open_.end())
-                job->second.in_doubt = job->second.in_doubt || !left;
+        const auto& hands = away->was.hands;
+        for (std::size_t i = 0; i < hands.size(); ++i)
+            if (const auto job = other.open_.find(hands[i].job); job != other.open_.end())
+                job->second.in_doubt = job->second.in_doubt || !left || i < away->was.head();
         other.take_back(*away, away->was.credit.done());
     }
     other.abandon_exhausted(decisions);

@@ -42,7 +42,7 @@ public:
     std::optional<protocol::Request> news(bool may_ask, bool late = false, std::int64_t held_before = 0);
     /// Has a stream something to report that may wait a little? A report of each live event would double its packets.
     [[nodiscard]] bool has_late_news() const;
-    /// Finished deliveries that were not reported; the last report.
+    /// Processed and finished deliveries that were not reported; the last report.
     std::optional<protocol::Request> last_news();
     /// Repeats the last request, which requests nothing new.
     [[nodiscard]] const protocol::Request& told() const { return told_; }

@@ -138,6 +138,7 @@ private:
     Ticket ticket(std::int64_t generation, std::int64_t number);
     std::int64_t note_share(Event& event);
     void try_to_leave();
+    void forget_unfinished();
     void end_if_done();
     [[nodiscard]] bool refuses_now() const;
     [[nodiscard]] bool replaced() const;
