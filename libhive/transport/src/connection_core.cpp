@@ -115,8 +115,7 @@ void ConnectionCore::end(const Error& reason, bool by_peer)
         return;
     ended_ = reason;
     ended_by_peer_ = by_peer;
-    const auto now = Clock::now();
-    seemed_dead_ = liveness_.seemed_dead(now - timer_.expiry(), now);
+    seemed_dead_ = liveness_.seemed_dead(Clock::now());
     if (borrowing_)
         borrowing_->end();  // before the peer can see the end and reuse its slots
     if (lending_)
@@ -339,7 +338,7 @@ void ConnectionCore::look()
     const auto now = Clock::now();
     // This end was held up (stopped, suspended, overloaded): what the peer sent meanwhile may still be unread.
     if (const auto late = now - timer_.expiry(); late > timing_.silence / 4)
-        liveness_.excuse(late, now);
+        liveness_.excuse(late);
     if ((writer_.idle() && liveness_.ping_due(now)) || liveness_.probe_due(now))
         ping([](bool) {});
     if (const auto verdict = liveness_.verdict(now, reader_.inside()))

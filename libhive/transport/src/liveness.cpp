@@ -19,23 +19,11 @@ void Liveness::pinged(Clock::time_point now)
 
 void Liveness::answered(Clock::time_point now, std::size_t unanswered)
 {
-    if (unanswered_) {
-        answer_ = std::max(answer_ / 2, now - *unanswered_);
+    if (unanswered_)
         received_ = unanswered > 0 ? *unanswered_ : probed_;
-    }
     unanswered_.reset();
     if (unanswered > 0)  // they were sent before now
         unanswered_ = now;
-}
-
-/// Transit time counts: the last packet of this end may have been fast, and the next one slow. A peer that receives
-/// a ping answers it about as fast as earlier ones; a frozen peer sends nothing.
-bool Liveness::seemed_dead(Clock::duration late, Clock::time_point now) const
-{
-    const auto time_to_answer = std::max<Clock::duration>(timing_.heartbeat / 2, 2 * answer_);
-    const bool unheard = unanswered_ && heard_ >= *unanswered_ + time_to_answer;
-    return unheard || late >= longest_pause() || (back_ && now < *back_ + 2 * timing_.heartbeat)
-           || now >= received_ + timing_.silence;
 }
 
 void Liveness::heard(Clock::time_point now, std::size_t bytes, bool fresh)
@@ -48,14 +36,10 @@ void Liveness::heard(Clock::time_point now, std::size_t bytes, bool fresh)
     window_bytes_ += bytes;
 }
 
-void Liveness::excuse(Clock::duration late, Clock::time_point now)
+void Liveness::excuse(Clock::duration late)
 {
-    if (late >= longest_pause())
-        back_ = now;
     started_ += late;
     heard_ += late;
-    if (unanswered_)
-        *unanswered_ += late;
     window_ += late;
 }
 

@@ -32,13 +32,11 @@ public:
     /// Bytes arrived. `fresh`: they begin or end a packet.
     void heard(Clock::time_point now, std::size_t bytes, bool fresh);
 
-    /// This end was blocked for this long, until now: the peer is not to blame.
-    void excuse(Clock::duration late, Clock::time_point now);
+    /// This end was blocked for this long: the peer is not to blame.
+    void excuse(Clock::duration late);
 
-    /// May the peer have declared this end dead? Either this end was, until now or just before, blocked for long, or
-    /// the peer continued to send but did not answer a ping, or may not have heard this end for `silence`.
-    /// @param late  blocked time that is not excused yet
-    [[nodiscard]] bool seemed_dead(Clock::duration late, Clock::time_point now) const;
+    /// May the peer have declared this end dead? Not before `silence` is over since the last ping that it answered.
+    [[nodiscard]] bool seemed_dead(Clock::time_point now) const { return now >= received_ + timing_.silence; }
     /// A ping is due: something was sent once (so the hello is first), but not lately.
     [[nodiscard]] bool ping_due(Clock::time_point now) const { return sent_ && now >= *sent_ + timing_.heartbeat; }
     /// A ping is due whatever else was sent: events, and answers to pings, do not show whether the peer receives them.
@@ -52,17 +50,14 @@ public:
     [[nodiscard]] Clock::time_point next_look(Clock::time_point now, bool inside) const;
 
 private:
-    /// The longest pause before the peer may declare this end dead.
-    [[nodiscard]] Clock::duration longest_pause() const { return timing_.silence - timing_.heartbeat; }
     [[nodiscard]] bool too_slow(Clock::time_point now);
 
     Timing timing_;
     Clock::time_point started_, heard_;
     Clock::time_point received_;  ///< when the last ping was sent that the peer answered; at first the start
     Clock::time_point probed_;    ///< the last ping, at first the start
-    std::optional<Clock::time_point> sent_, back_;  ///< back: from the last long pause
-    std::optional<Clock::time_point> unanswered_;   ///< a ping has no answer since then
-    Clock::duration answer_{};                      ///< the longest of the last times of an answer; older ones fade
+    std::optional<Clock::time_point> sent_;
+    std::optional<Clock::time_point> unanswered_;  ///< a ping has no answer since then
     bool hello_ = false;
     Clock::time_point window_;  ///< since when the bytes of the current packet are counted
     std::size_t window_bytes_ = 0;
