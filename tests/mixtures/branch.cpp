@@ -3,41 +3,35 @@
 namespace hive::mixtures {
 namespace {
 
-using namespace std::chrono_literals;
-
 const std::vector<Endpoint> all_outputs{{forker, "left"}, {forker, "right"}, {joiner, "set"}};
 
 }  // namespace
 
-Branch::Branch(const test::Swarm& swarm)
-    : application_({.name = "branch", .home = swarm.home(), .timeout = test::stated(5000ms)}),
-      outputs_(application_.collect(all_outputs))
+Branch::Branch(const Application::Options& options) : application_(options), outputs_(application_.collect(all_outputs))
 {
     // One input asks for one event at a time and the other gets all, so one waits for the other.
     application_.connect({forker, "left"}, {joiner, "left"});
     application_.connect({forker, "right"}, {joiner, "right"}, {.transfer = Transfer::streaming});
-    thread_ = std::jthread([this](const std::stop_token& ending) { run(ending); });
 }
 
-void Branch::run(const std::stop_token& ending)
+bool Branch::take(std::chrono::milliseconds timeout)
 {
-    while (true)
-        if (const auto event = outputs_->next(20ms))
-            ++came_[event->sender + "." + event->output][{event->identity.epoch, event->header.at("index")}];
-        else if (ending.stop_requested())
-            return;
-        else if (outputs_->ended())
-            std::this_thread::sleep_for(5ms);
+    const auto event = outputs_->next(timeout);
+    if (event)
+        ++came_[event->sender + "." + event->output][{event->identity.epoch, event->header.at("index")}];
+    return event.has_value();
 }
 
-std::vector<Received> Branch::received(const Numbering& numbering)
+std::vector<Received> Branch::received(const Numbering& numbering) const
 {
-    thread_.request_stop();
-    thread_.join();
     std::vector<Received> all;
     for (const auto& output : all_outputs) {
-        auto& received = all.emplace_back(Received{.drone = forker, .what = to_text(output)});
-        for (const auto& [event, times] : came_[to_text(output)])
+        const auto way = output.drone == forker ? std::vector{forker} : std::vector{forker, joiner};
+        auto& received = all.emplace_back(Received{.way = way, .what = to_text(output)});
+        const auto came = came_.find(to_text(output));
+        if (came == came_.end())
+            continue;
+        for (const auto& [event, times] : came->second)
             received.times[{numbering.run_of(event.first), event.second}] += times;
     }
     return all;

@@ -4,29 +4,27 @@
 #include "numbering.hpp"
 #include "received.hpp"
 
-#include <swarm.hpp>
+#include <hive/application.hpp>
 
 #include <map>
 #include <memory>
-#include <thread>
 
 namespace hive::mixtures {
 
 class Branch {
 public:
-    /// The fork and the joining drone must run. Connects them, and receives all three outputs.
-    explicit Branch(const test::Swarm& swarm);
+    /// The fork and the joining drone must run. Connects them, and begins to receive all three outputs.
+    explicit Branch(const Application::Options& options);
 
-    /// What came of each output; it receives nothing more.
-    std::vector<Received> received(const Numbering& numbering);
+    /// Receives the next event, if one comes. @return whether one came
+    bool take(std::chrono::milliseconds timeout);
+    /// What came of each output so far.
+    [[nodiscard]] std::vector<Received> received(const Numbering& numbering) const;
 
 private:
-    void run(const std::stop_token& ending);
-
     Application application_;
     std::unique_ptr<Collector> outputs_;
     std::map<std::string, std::map<std::pair<std::int64_t, std::int64_t>, int>> came_;  ///< by output
-    std::jthread thread_;  // the last: it uses all the others
 };
 
 }  // namespace hive::mixtures

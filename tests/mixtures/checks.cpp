@@ -52,22 +52,24 @@ std::int64_t received_before(const Status& status, const std::string& input)
     return received;
 }
 
-const OutputStatus* output_of(const Statuses& statuses, const std::string& drone)
+/// @param from  "face.result"
+const OutputStatus* output_of(const Statuses& statuses, const std::string& from)
 {
-    const auto found = statuses.find(drone);
+    const auto dot = from.find('.');
+    const auto found = statuses.find(from.substr(0, dot));
     if (found == statuses.end())
         return nullptr;
-    for (const auto& output : found->second.outputs)
-        if (output.name == Topology::output_of(drone))
-            return &output;
-    return nullptr;
+    const auto output = std::ranges::find(found->second.outputs, from.substr(dot + 1), &OutputStatus::name);
+    return output == found->second.outputs.end() ? nullptr : &*output;
 }
+
+std::string main_output(const std::string& drone) { return drone + "." + Topology::output_of(drone); }
 
 /// Does the receiver say why it does not acknowledge what comes from there? If it waits for its own receivers, that is
 /// a question for those edges.
 bool explains(const Status& receiver, const std::string& from)
 {
-    return receiver.why != Reason::none
+    return receiver.why != Reason::none || std::ranges::any_of(receiver.matching, &MatchingStatus::waiting)
            || std::ranges::any_of(receiver.inputs,
                                   [&](auto& input) { return input.from == from && input.why != Reason::none; })
            || std::ranges::any_of(receiver.outputs, [](auto& output) {
@@ -110,7 +112,7 @@ Problems disagreeing(const Statuses& statuses, const std::map<std::string, int>&
     for (const auto& [name, status] : statuses)
         for (const auto& input : status.inputs) {
             const auto sender = input.from.substr(0, input.from.find('.'));
-            const auto* output = output_of(statuses, sender);
+            const auto* output = output_of(statuses, input.from);
             if (!output || !input.connected || input.registration == 0)
                 continue;
             const Ages ages{.sender_older = born.at(sender) <= born.at(name),
@@ -191,11 +193,11 @@ Problems wrongly_resumed(const Statuses& statuses, const std::set<std::string>& 
 
 bool connected(const Statuses& statuses, const Edge& edge)
 {
-    const auto* output = output_of(statuses, edge.sender);
+    const auto from = main_output(edge.sender);
+    const auto* output = output_of(statuses, from);
     const auto receiver = statuses.find(edge.receiver);
     if (!output || receiver == statuses.end())
         return false;
-    const auto from = edge.sender + "." + output->name;
     return std::ranges::any_of(receiver->second.inputs,
                                [&](auto& input) { return input.from == from && input.connected; })
            && std::ranges::any_of(output->edges, [&](auto& row) {
@@ -205,7 +207,7 @@ bool connected(const Statuses& statuses, const Edge& edge)
 
 std::int64_t collectors_of(const Statuses& statuses, const std::string& drone)
 {
-    const auto* output = output_of(statuses, drone);
+    const auto* output = output_of(statuses, main_output(drone));
     return !output ? 0 : std::ranges::count_if(output->edges, [](const EdgeStatus& edge) {
         return edge.connected && !edge.group && edge.receiver.find('.') == std::string::npos;
     });

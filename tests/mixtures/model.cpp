@@ -128,7 +128,9 @@ void Model::passes(int ms)
     for (const auto& [drone, life] : condition_.lives()) {
         auto& away = away_ms_[drone];
         away = condition_.runs(drone) ? 0 : away + ms;
-        if (away > place_kept_ms && topology_.is_worker(drone))
+        if (away > place_kept_ms && topology_.is_bystander(drone))
+            excuse(drone);
+        else if (away > place_kept_ms && topology_.is_worker(drone))
             excuse(topology_.stages.at(topology_.stage_of(drone)).shared() ? "" : drone);
     }
 }

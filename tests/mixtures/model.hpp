@@ -43,10 +43,10 @@ public:
     std::optional<std::string> came(const Outcome& outcome);
     /// Of a source on demand at rest: what has not come, of the events that it has produced in this epoch.
     [[nodiscard]] std::vector<std::string> missing(std::int64_t epoch, std::int64_t produced) const;
-    /// Must this bystander have got the event?
-    [[nodiscard]] bool owes(const std::string& bystander, std::int64_t epoch, std::int64_t sequence) const
+    /// Must the event have come by way of these bystanders?
+    [[nodiscard]] bool owes(const std::vector<std::string>& bystanders, std::int64_t epoch, std::int64_t sequence) const
     {
-        return !is_excused({bystander}, epoch, sequence);
+        return !is_excused(bystanders, epoch, sequence);
     }
     /// At most, of an event.
     [[nodiscard]] std::int64_t max_results() const { return std::ssize(ways()); }

@@ -70,7 +70,9 @@ private:
         take(random_.pick(choices));
     }
 
-    bool may_fail(const std::string& drone) const { return topology_.fails && drone != source && drone != watcher; }
+    /// The joiner keeps state.
+    static bool may_be_replaced(const std::string& drone) { return drone != watcher && drone != joiner; }
+    bool may_fail(const std::string& drone) const { return topology_.fails && topology_.is_worker(drone); }
 
     void about(const std::string& drone, Life life, std::vector<Step>& choices) const
     {
@@ -79,14 +81,14 @@ private:
                 choices.push_back({.verb = verb, .drone = drone});
         };
         const bool another = condition_.broken() < 2;
-        if (replaces_ && drone != watcher && condition_.runs(drone))
+        if (replaces_ && may_be_replaced(drone) && condition_.runs(drone))
             offer(Verb::replace, 6);
         switch (life) {
         case Life::up:
             offer(Verb::kill, another ? 4 : 0);
             offer(Verb::freeze, another ? 3 : 0);
             offer(Verb::halt, another ? 2 : 0);
-            offer(Verb::stop, another ? (may_fail(drone) ? 3 : 1) : 0);
+            offer(Verb::stop, another && !topology_.is_bystander(drone) ? (may_fail(drone) ? 3 : 1) : 0);
             offer(Verb::fail, may_fail(drone) && another ? 5 : 0);
             break;
         case Life::killed:
@@ -101,6 +103,8 @@ private:
 
     void about(const Edge& edge, std::vector<Step>& choices) const
     {
+        if (topology_.is_bystander(edge.receiver))
+            return;
         const bool connected = condition_.connected(edge.sender, edge.receiver);
         if (forgets_ && connected && condition_.runs(edge.sender) && condition_.life(edge.receiver) == Life::killed)
             for (int i = 0; i < 10; ++i)
@@ -183,7 +187,7 @@ private:
         step.number = random_.between(1, 60);
         std::vector<std::string> drones;
         for (const auto& [drone, life] : condition_.lives())
-            if (life == Life::up && drone != watcher)
+            if (life == Life::up && may_be_replaced(drone))
                 drones.push_back(drone);
         const auto meanwhile = static_cast<Meanwhile>(step.second);
         if (meanwhile == Meanwhile::other_too || meanwhile == Meanwhile::kill_old) {
@@ -246,6 +250,8 @@ Plan make_plan(std::uint64_t seed, int steps, const std::set<std::string>& fault
     Random random(seed);
     Plan plan{.seed = seed, .size = steps, .topology = make_topology(random), .steps = {}, .faults = faults};
     plan.topology.fails = faults.contains(fault::fail);
+    if (faults.contains(fault::join))
+        plan.topology.bystanders = {forker, joiner};
     if (faults.contains(fault::bodies) && random.chance(60))
         plan.topology.stages.front().options.encoding = half_encoding;
     plan.steps = Planner(plan, random).steps(steps);

@@ -4,6 +4,7 @@
 
 #include <hive/transfer.hpp>
 
+#include <algorithm>
 #include <cstdint>
 #include <set>
 #include <string>
@@ -39,7 +40,8 @@ struct Topology {
     bool ordered = false;  ///< results are collected in order
     bool watched = false;  ///< a further drone takes notifications of the source
     bool fails = false;    ///< any worker may throw
-    /// Drones beside the stages that also receive each event of the source, and that no step touches.
+    /// Drones beside the stages: each also receives each event of the source, or the joiner what the forker sends.
+    /// Their connections stay.
     std::vector<std::string> bystanders = {};
     std::vector<Stage> stages;
 
@@ -48,16 +50,23 @@ struct Topology {
     [[nodiscard]] std::vector<std::string> workers() const;  ///< of the stages
     [[nodiscard]] std::size_t stage_of(const std::string& worker) const;
     [[nodiscard]] bool is_worker(const std::string& drone) const { return stage_of(drone) < stages.size(); }
+    [[nodiscard]] bool is_bystander(const std::string& drone) const
+    {
+        return std::ranges::count(bystanders, drone) > 0;
+    }
     [[nodiscard]] bool may_throw(const Stage& stage) const { return fails || stage.throw_every > 0; }
     /// What a step connects. One that changes options makes of a plain edge a stream (1), or has a worker that is alone
     /// in its stage share where it did not, and the other way round (2).
     [[nodiscard]] Edge edge_of(const Step& step) const;
-    /// Port by which a drone sends: that of the source, or of a worker.
-    [[nodiscard]] static std::string output_of(const std::string& drone) { return drone == source ? "tick" : "result"; }
-    /// Port by which it receives.
+    /// Port by which a drone sends; of the forker the first.
+    [[nodiscard]] static std::string output_of(const std::string& drone)
+    {
+        return drone == source ? "tick" : drone == forker ? "left" : "result";
+    }
+    /// Port by which it receives; of the joiner the first.
     [[nodiscard]] static std::string input_of(const std::string& drone)
     {
-        return drone == recorder ? "events" : drone == forker ? "in" : "image";
+        return drone == recorder ? "events" : drone == forker ? "in" : drone == joiner ? "left" : "image";
     }
 };
 
@@ -131,12 +140,13 @@ inline const std::string connect_all = "connect-all";  ///< steps of that name
 inline const std::string ends = "ends";                ///< the source ends when it has made what it may
 inline const std::string fail = "fail";                ///< steps of that name
 inline const std::string forget = "forget";            ///< steps of that name
+inline const std::string join = "join";                ///< a drone with two outputs, and one that joins them
 inline const std::string lie = "lie";                  ///< peers that are not in the round lie
 inline const std::string part = "part";                ///< steps of that name, on two machines
 inline const std::string replace = "replace";          ///< steps of that name
 inline const std::string silence = "silence";          ///< for a time, one drone does not hear another
-inline const std::set<std::string> all{bodies, clocks, clock_step, connect_all, crash_point, ends,
-                                       fail,   forget, lie,        part,        replace,     silence};
+inline const std::set<std::string> all{bodies, clocks, clock_step, connect_all, crash_point, ends,   fail,
+                                       forget, join,   lie,        part,        replace,     silence};
 }  // namespace fault
 
 struct Plan {

@@ -6,7 +6,7 @@ Problems wrongly_received(const Received& received, const Model& model, const La
 {
     Problems problems;
     const auto note = [&](const std::string& text) {
-        problems.push_back("received: " + received.what + " of " + received.drone + ": " + text);
+        problems.push_back("received: " + received.what + " of " + received.way.back() + ": " + text);
     };
     for (const auto& wrong : received.wrong)
         note(wrong);
@@ -17,7 +17,7 @@ Problems wrongly_received(const Received& received, const Model& model, const La
         if (times > 1)
             note(name(event.first, event.second) + " came " + std::to_string(times) + " times");
     for (std::int64_t number = 1; run.lossless && number <= run.produced; ++number)
-        if (!received.times.contains({run.epoch, number}) && model.owes(received.drone, run.epoch, number))
+        if (!received.times.contains({run.epoch, number}) && model.owes(received.way, run.epoch, number))
             note(name(run.epoch, number) + " is missing");
     return problems;
 }

@@ -8,7 +8,7 @@
 namespace hive::mixtures {
 
 struct Received {
-    std::string drone;                                                ///< the bystander
+    std::vector<std::string> way;                                     ///< the bystanders that it has come through
     std::string what;                                                 ///< "run.hive"
     std::map<std::pair<std::int64_t, std::int64_t>, int> times = {};  ///< of each run of the source and number
     Problems wrong = {};

@@ -28,7 +28,7 @@ try {
 
 Received recorded_in(const std::filesystem::path& folder, const Numbering& numbering)
 {
-    Received received{.drone = recorder, .what = "the recordings"};
+    Received received{.way = {recorder}, .what = "the recordings"};
     for (const auto& entry : std::filesystem::directory_iterator(folder))
         if (entry.path().extension() == ".hive")
             read(entry.path(), numbering, received);

@@ -45,9 +45,13 @@ Running::Running(const Topology& topology, const Extras& extras) : topology_(top
         born_[drone] = 0;
     }
     collecting_.emplace(swarm_, topology_);
-    if (is_bystander(forker)) {
+    if (topology_.is_bystander(forker)) {
         start(joiner, false);
-        branch_.emplace(swarm_);
+        branch_.emplace(Application::Options{.name = "branch", .home = swarm_.home(), .timeout = test::stated(5000ms)});
+        branching_ = std::jthread([this](const std::stop_token& ending) {
+            while (branch_->take(20ms) || !ending.stop_requested())
+                std::this_thread::sleep_for(1ms);  // at its end it does not wait
+        });
     }
     if (!extras_.command)
         return;
@@ -244,10 +248,12 @@ std::vector<std::string> Running::end()
 std::vector<Received> Running::received()
 {
     std::vector<Received> all;
-    if (is_bystander(recorder))
+    if (topology_.is_bystander(recorder))
         all.push_back(recorded_in(swarm_.home(), numbering_));
-    if (branch_)
+    if (branch_) {
+        branching_ = {};  // waits for its end
         std::ranges::move(branch_->received(numbering_), std::back_inserter(all));
+    }
     return all;
 }
 

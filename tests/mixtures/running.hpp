@@ -54,10 +54,6 @@ public:
     std::vector<Received> received() override;
 
 private:
-    [[nodiscard]] bool is_bystander(const std::string& drone) const
-    {
-        return std::ranges::count(topology_.bystanders, drone) > 0;
-    }
     void feed(int events);
     [[nodiscard]] std::vector<std::string> first_settings(const std::string& drone) const;
     void start(const std::string& drone, bool remembers);
@@ -79,6 +75,7 @@ private:
     std::optional<Collecting> collecting_;
     std::optional<Command> command_;
     std::optional<Branch> branch_;
+    std::jthread branching_;  // the last: it uses the branch
 };
 
 /// A round with its beginning and its end; also what is left of it is a problem.

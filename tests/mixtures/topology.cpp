@@ -82,7 +82,7 @@ std::vector<Edge> Topology::edges() const
 {
     std::vector<Edge> edges;
     for (const auto& drone : bystanders)
-        edges.push_back({source, drone, {.window = 8, .group = {}}});
+        edges.push_back(drone == joiner ? Edge{forker, joiner, {}} : Edge{source, drone, {.window = 8, .group = {}}});
     std::vector<std::string> senders{source};
     for (const auto& stage : stages) {
         for (const auto& sender : senders)
@@ -152,6 +152,8 @@ std::string to_text(const Topology& topology)
         text += ")";
     }
     text += topology.ordered ? " -> collected in order" : " -> collected";
+    if (topology.is_bystander(joiner))
+        text += "; source -> fork (window 8) -> pair";
     return topology.watched ? text + "; source -> watcher (notify)" : text;
 }
 

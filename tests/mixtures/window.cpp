@@ -28,8 +28,8 @@ bool Window::fits(const std::string& key, std::int64_t registration, std::int64_
 void Window::look(const std::string& drone, const InputStatus& input, Problems& problems)
 {
     const bool streaming = !is_synchronized(input.options);
-    if (streaming && !lossless_)
-        return;  // live events of a stream are bounded by the queues alone
+    if ((streaming && !lossless_) || drone.starts_with(joiner))
+        return;  // the queues alone bound live events of a stream, and what waits for its partners
     const auto window = streaming ? max_streamed : input.options.window;
     if (!fits(drone + "." + input.input + " <- " + input.from, input.registration, input.queued + input.in_hand,
               window))

@@ -144,6 +144,26 @@ void watched_worker(Drone& drone, std::function<void(const Event&)> on_work)
     drone.on_event("image", "*/*", [self, result](const Event& event) { self->work(event, result); });
 }
 
+void fork(Drone& drone)
+{
+    const auto left = drone.output("left", "application/json", ""),
+               right = drone.output("right", "application/json", "");
+    drone.on_event("in", "*/*", [left, right](const Event& event) {
+        const Json header{{"index", event.header.at("index")}};
+        left.emit(header);
+        right.emit(header);
+    });
+}
+
+void pair(Drone& drone)
+{
+    const auto set = drone.output("set", "application/json", "");
+    drone.on_matched({{"left", "*/*", ""}, {"right", "*/*", ""}}, Match::exact(),
+                     [set](const std::vector<Event>& events) {
+                         set.emit({{"index", events[0].header.at("index")}});
+                     });
+}
+
 std::optional<std::string> wrong_body(const Event& event)
 {
     if (!event.header.contains("size"))

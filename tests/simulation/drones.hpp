@@ -21,6 +21,10 @@ void source(Drone& drone, OnCapture on_capture, std::function<std::size_t()> siz
 void worker(Drone& drone);
 /// @param on_work  called with each event after that time; it may throw
 void watched_worker(Drone& drone, std::function<void(const Event&)> on_work);
+/// Gives each event on at two outputs.
+void fork(Drone& drone);
+/// Joins the events of two inputs.
+void pair(Drone& drone);
 /// Says what is wrong with a body of that source, or of a worker, which passes it on.
 std::optional<std::string> wrong_body(const Event& event);
 

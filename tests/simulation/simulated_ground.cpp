@@ -23,7 +23,7 @@ Json first_parameters(const Topology& topology, const std::string& drone, std::i
 {
     if (drone == mixtures::source)
         return {{"pace", topology.demand ? "demand" : "live"}, {"fps", 200}, {"count", fed}, {"ends", ends}};
-    if (drone == mixtures::watcher)
+    if (!topology.is_worker(drone))
         return Json::object();
     return {{"work_ms", mixtures::first_setting.work_ms},
             {"most_ms", mixtures::first_setting.most_ms},
@@ -34,7 +34,14 @@ Json first_parameters(const Topology& topology, const std::string& drone, std::i
 Interface interface_of_kind(const std::string& kind)
 {
     EmbeddedDrone embedded({kind, "of a simulated round"}, {.name = "described"});
-    kind.starts_with("ticker") ? source(embedded.drone()) : worker(embedded.drone());
+    if (kind.starts_with("ticker"))
+        source(embedded.drone());
+    else if (kind.starts_with(mixtures::forker))
+        fork(embedded.drone());
+    else if (kind.starts_with(mixtures::joiner))
+        pair(embedded.drone());
+    else
+        worker(embedded.drone());
     return embedded.interface();
 }
 
@@ -48,6 +55,8 @@ std::set<std::string> peers(const Topology& topology)
     std::set<std::string> names{"collector", mixtures::hearer};
     for (const auto& drone : topology.drones())
         names.insert(drone);
+    if (!topology.bystanders.empty())
+        names.insert("branch");
     return names;
 }
 
@@ -88,6 +97,10 @@ SimulatedGround::SimulatedGround(World& world, const mixtures::Plan& plan, const
     }
     collected_.process = &world_.spawn("collector", [this] { collect(); });
     until([this] { return collected_.begun; });
+    if (has(mixtures::fault::join)) {
+        branching_ = &world_.spawn("branch", [this] { collect_branch(); });
+        until([this] { return branch_.has_value(); });
+    }
     application_.emplace(application_named("operator"));
     impatient_.emplace(application_named("impatient", short_timeout));
 }
@@ -106,10 +119,12 @@ SimulatedGround::~SimulatedGround()
         world_.kill(*successor->process);
     if (world_.current()->dead) {
         world_.kill(*collected_.process);
+        if (branching_)
+            world_.kill(*branching_);
         return;
     }
     collected_.ending = true;
-    until([this] { return collected_.process->dead; });
+    until([this] { return collected_.process->dead && (!branching_ || branching_->dead); });
 }
 
 /// Half of the drones are on a machine whose clock is wrong, and not as fast as that of the other one.
@@ -149,8 +164,14 @@ void SimulatedGround::until(const std::function<bool()>& condition)
 void SimulatedGround::at_once(const std::function<void()>& one, const std::function<void()>& other)
 {
     const auto& beside = world_.spawn("beside", one);
-    other();
-    until([&] { return beside.dead; });
+    const auto wait = [&] { until([&] { return beside.dead; }); };
+    try {
+        other();
+    } catch (...) {
+        wait();  // it uses what the caller has
+        throw;
+    }
+    wait();
 }
 
 /// @param writes  after which it dies
@@ -180,7 +201,10 @@ void SimulatedGround::start(const std::string& drone, bool remembers, std::optio
 std::string SimulatedGround::kind_of(const std::string& drone, bool remembers) const
 {
     const auto state = remembers ? event::Home(event::default_home()).read_state(drone) : std::nullopt;
-    return state ? state->value("kind", "") : drone == mixtures::source ? "ticker" : "sleeper";
+    return state                           ? state->value("kind", "")
+           : drone == mixtures::source     ? "ticker"
+           : topology_.is_bystander(drone) ? drone
+                                           : "sleeper";
 }
 
 Log SimulatedGround::log_of(const std::string& drone, RunningPtr running)
@@ -210,12 +234,18 @@ void SimulatedGround::live(const std::string& name, EmbeddedDrone& embedded, con
                     captures_[{us, sequence}] = {running->epoch, number};
             },
             has(mixtures::fault::bodies) ? [this] { return body_size(); } : std::function<std::size_t()>());
+    else if (name == mixtures::forker)
+        fork(drone);
+    else if (name == mixtures::joiner)
+        pair(drone);
     else
         watched_worker(drone, [this, name](const Event& event) { on_work(name, event); });
     drone.on_start([&] {
         running->drone = &drone;
         running->epoch = drone.status().epoch;
         running->ready = true;
+        if (name == mixtures::source)
+            numbering_.began(running->epoch);
     });
     embedded.run();
 }
@@ -336,6 +366,19 @@ void SimulatedGround::collect()
         collected_.counts = results->counts();
         collected_.ended = results->ended();
     }
+}
+
+void SimulatedGround::collect_branch()
+{
+    for (branch_.emplace(application_named("branch")); !ending_;)
+        if (!branch_->take(turn_time))
+            world_.sleep(1ms);  // at its end it does not wait
+    branch_.reset();
+}
+
+std::vector<mixtures::Received> SimulatedGround::received()
+{
+    return branch_ ? branch_->received(numbering_) : std::vector<mixtures::Received>{};
 }
 
 }  // namespace hive::simulation

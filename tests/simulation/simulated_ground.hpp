@@ -6,6 +6,7 @@
 #include "links.hpp"
 #include "world.hpp"
 
+#include <branch.hpp>
 #include <ground.hpp>
 
 #include <hive/application.hpp>
@@ -74,6 +75,7 @@ public:
     std::vector<std::string> complaints() override;
     std::vector<std::string> fallen() override;
     std::vector<std::string> end() override;
+    std::vector<mixtures::Received> received() override;
 
 private:
     /// A process of a drone.
@@ -119,6 +121,7 @@ private:
     void took_name(const std::string& drone, const RunningPtr& running);
     [[nodiscard]] std::vector<Endpoint> ends() const;
     void collect();
+    void collect_branch();
     void take(const Event& event, bool failed);
     void check_age(const Event& event);
     [[nodiscard]] int machine_of(const std::string& drone) const;
@@ -175,6 +178,9 @@ private:
     std::vector<std::string> fallen_;  ///< of them
     std::int64_t fed_ = 1;
     Collected collected_;
+    std::optional<mixtures::Branch> branch_;
+    Process* branching_ = nullptr;  ///< collects it
+    mixtures::Numbering numbering_;
     Links links_;
     Time silent_until_{}, reachable_from_{};
     Deadline calls_, waits_, impatient_calls_, replaces_;

@@ -25,7 +25,8 @@ bool is_cut(const ConnectAnswer& answer) { return answer.error && answer.error->
 void SimulatedGround::connect(const Edge& edge)
 {
     calls_.keep("connect", [&] {
-        application_->connect({edge.sender, Topology::output_of(edge.sender)}, {edge.receiver, "image"}, edge.options);
+        application_->connect({edge.sender, Topology::output_of(edge.sender)},
+                              {edge.receiver, Topology::input_of(edge.receiver)}, edge.options);
     });
 }
 

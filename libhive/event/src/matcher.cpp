@@ -22,8 +22,9 @@ Matcher::Matcher(const std::vector<std::string>& inputs, Match match) : match_(m
 {
     if (inputs.size() < 2)
         throw Error(Errc::invalid_argument, "matching takes two inputs or more");
+    const auto runs = std::make_shared<Runs>();
     for (const auto& input : inputs)
-        lines_.emplace_back(input);
+        lines_.emplace_back(input, runs);
 }
 
 std::size_t Matcher::index_of(const std::string& input) const

@@ -3,8 +3,40 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <iterator>
+#include <tuple>
 
 namespace hive::event {
+
+void Runs::hear(const std::string& source, std::int64_t epoch, std::int64_t before)
+{
+    if (epoch == before || position(source, epoch) >= 0)
+        return;
+    auto& runs = runs_[source];
+    auto at = std::ranges::find(runs, before);
+    at = at == runs.end() ? runs.begin() : std::next(at);
+    runs.insert(std::find_if(at, runs.end(), [&](std::int64_t each) { return each > epoch; }), epoch);
+    if (runs.size() > most)
+        runs.erase(runs.begin());
+    if (runs_.size() > most)
+        runs_.erase(runs_.begin()->first == source ? std::next(runs_.begin()) : runs_.begin());
+}
+
+std::ptrdiff_t Runs::position(const std::string& source, std::int64_t epoch) const
+{
+    const auto runs = runs_.find(source);
+    if (runs == runs_.end())
+        return -1;
+    const auto found = std::ranges::find(runs->second, epoch);
+    return found == runs->second.end() ? -1 : found - runs->second.begin();
+}
+
+bool WaitingLine::precedes(const std::string& source, const Place& one, const Place& other) const
+{
+    if (one.epoch != other.epoch)
+        return runs_->position(source, one.epoch) < runs_->position(source, other.epoch);
+    return std::tie(one.sequence, one.part) < std::tie(other.sequence, other.part);
+}
 
 void WaitingLine::add(Event event, TimePoint due)
 {
@@ -47,8 +79,10 @@ void WaitingLine::hear(const Event& event, TimePoint now)
     Sender& sender = sender_of(event);
     sender.heard_at = now;
     sender.shares = event.identity.shared_work() != nullptr;
-    // Not the largest of all: if a source's clock was set back, its epochs and times restart lower.
-    sender.place = sender.shares ? std::max(sender.place, place_of(event.identity)) : place_of(event.identity);
+    const auto place = place_of(event.identity);
+    runs_->hear(sender.source, place.epoch, sender.shares ? 0 : sender.place.epoch);
+    if (!sender.shares || precedes(sender.source, sender.place, place))
+        sender.place = place;
     const auto until =
         sender.shares ? std::max(sender.captured_us, event.identity.captured_us) : event.identity.captured_us;
     for (auto& each : senders_)  // one time for all sources whose events come through one drone
@@ -76,7 +110,7 @@ bool WaitingLine::passed(const Identity& identity) const
     bool known = false;
     for (const auto& each : senders_)
         if (each.source == identity.source) {
-            if (each.shares || each.place < place_of(identity))
+            if (each.shares || precedes(each.source, each.place, place_of(identity)))
                 return false;
             known = true;
         }
@@ -86,7 +120,7 @@ bool WaitingLine::passed(const Identity& identity) const
 bool WaitingLine::overtook(const Identity& identity) const
 {
     return std::ranges::any_of(senders_, [&](const Sender& each) {
-        return each.source == identity.source && each.place > place_of(identity);
+        return each.source == identity.source && precedes(each.source, place_of(identity), each.place);
     });
 }
 

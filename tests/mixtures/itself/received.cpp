@@ -18,7 +18,7 @@ Model with_recorder()
 std::size_t wrong(const std::map<std::pair<std::int64_t, std::int64_t>, int>& times, const Model& model,
                   const Problems& more = {})
 {
-    return wrongly_received({.drone = recorder, .what = "recordings", .times = times, .wrong = more}, model,
+    return wrongly_received({.way = {recorder}, .what = "recordings", .times = times, .wrong = more}, model,
                             {.epoch = 7, .produced = 3, .lossless = true})
         .size();
 }
@@ -53,8 +53,8 @@ TEST_CASE("mixtures: a source that is stopped does not know its receivers before
     model.before({.verb = Verb::stop, .drone = source});
     CHECK(model.excused() == std::vector<std::string>{"a1", recorder});
     model.before({.verb = Verb::start, .drone = source});
-    CHECK_FALSE(model.owes(recorder, 8, 1));
+    CHECK_FALSE(model.owes({recorder}, 8, 1));
     model.whole(recorder, 8, 5);
-    CHECK_FALSE(model.owes(recorder, 8, 5));
-    CHECK(model.owes(recorder, 8, 6));
+    CHECK_FALSE(model.owes({recorder}, 8, 5));
+    CHECK(model.owes({recorder}, 8, 6));
 }

@@ -59,6 +59,23 @@ TEST_CASE("matcher: a source that restarted counts from 1 again, and what waits 
     CHECK(c.give("marks", {2}, {.epoch = 2}) == Sets{{2, 2}});
 }
 
+TEST_CASE("matcher: a source may restart after its clock was set back, and several times before an input hears of it")
+{
+    Case c;
+    c.give("image", {8, 9}, {.epoch = 5});
+    CHECK(c.give("marks", {8}, {.epoch = 5}) == Sets{{8, 8}});
+    c.give("image", {1, 2}, {.epoch = 2});
+    CHECK(c.missing("marks") == 0);
+    CHECK(c.give("marks", {9}, {.epoch = 5}) == Sets{{9, 9}});
+    c.give("image", {1}, {.epoch = 4});
+    c.give("image", {1}, {.epoch = 1});
+    CHECK(c.give("marks", {1}, {.epoch = 2}) == Sets{{1, 1}});
+    CHECK(c.give("marks", {1}, {.epoch = 4}) == Sets{{1, 1}});
+    CHECK(c.missing("marks") == 1);  // number 2 of the run before
+    CHECK(c.give("marks", {1}, {.epoch = 1}) == Sets{{1, 1}});
+    CHECK(c.waiting() == 0);
+}
+
 TEST_CASE("matcher: other sources, epochs and parts are other captures")
 {
     Case c;

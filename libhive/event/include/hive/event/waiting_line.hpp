@@ -4,13 +4,30 @@
 #include <hive/event.hpp>
 #include <hive/event/clock.hpp>
 
+#include <cstddef>
 #include <deque>
+#include <map>
+#include <memory>
 #include <optional>
 #include <string>
-#include <tuple>
 #include <vector>
 
 namespace hive::event {
+
+/// The runs of each source, the earliest first. They are ordered by epoch, unless a source was restarted after its
+/// clock had been set back: a sender passes on the events of a source in their order.
+class Runs {
+public:
+    static constexpr std::size_t most = 64;  ///< of a source, and sources
+
+    /// A sender passes on an event of this run. @param before  the run of its event before that; 0: none
+    void hear(const std::string& source, std::int64_t epoch, std::int64_t before);
+    /// The position of a run; -1: unknown, so it is earlier than all known ones.
+    [[nodiscard]] std::ptrdiff_t position(const std::string& source, std::int64_t epoch) const;
+
+private:
+    std::map<std::string, std::vector<std::int64_t>> runs_;
+};
 
 /// Pure logic, for one thread.
 class WaitingLine {
@@ -32,7 +49,8 @@ public:
         bool overtaken = false;  ///< its partner is late: a later event arrived at that input
     };
 
-    explicit WaitingLine(std::string input) : input_(std::move(input)) {}
+    /// @param runs  those of all inputs
+    WaitingLine(std::string input, std::shared_ptr<Runs> runs) : input_(std::move(input)), runs_(std::move(runs)) {}
 
     [[nodiscard]] const std::string& input() const noexcept { return input_; }
     [[nodiscard]] std::deque<Waiting>& events() noexcept { return events_; }
@@ -62,7 +80,10 @@ public:
     [[nodiscard]] std::optional<std::int64_t> heard_until() const;
 
 private:
-    using Place = std::tuple<std::int64_t, std::int64_t, int>;
+    struct Place {
+        std::int64_t epoch = 0, sequence = 0;
+        int part = 0;
+    };
     struct Sender {
         std::string drone, output, source;
         Place place;
@@ -72,8 +93,10 @@ private:
     };
     static Place place_of(const Identity& identity) { return {identity.epoch, identity.sequence, identity.part}; }
     Sender& sender_of(const Event& event);
+    [[nodiscard]] bool precedes(const std::string& source, const Place& one, const Place& other) const;
 
     std::string input_;
+    std::shared_ptr<Runs> runs_;
     std::deque<Waiting> events_;
     std::size_t bytes_ = 0;
     std::vector<Sender> senders_;
