@@ -18,21 +18,19 @@ bool Branch::take(std::chrono::milliseconds timeout)
 {
     const auto event = outputs_->next(timeout);
     if (event)
-        ++came_[event->sender + "." + event->output][{event->identity.epoch, event->header.at("index")}];
+        came_[event->sender + "." + event->output].emplace_back(event->identity, event->header.at("index"));
     return event.has_value();
 }
 
-std::vector<Received> Branch::received(const Numbering& numbering) const
+std::vector<Received> Branch::received(const Place& place) const
 {
     std::vector<Received> all;
     for (const auto& output : all_outputs) {
         const auto way = output.drone == forker ? std::vector{forker} : std::vector{forker, joiner};
         auto& received = all.emplace_back(Received{.way = way, .what = to_text(output)});
-        const auto came = came_.find(to_text(output));
-        if (came == came_.end())
-            continue;
-        for (const auto& [event, times] : came->second)
-            received.times[{numbering.run_of(event.first), event.second}] += times;
+        if (const auto came = came_.find(to_text(output)); came != came_.end())
+            for (const auto& [identity, index] : came->second)
+                ++received.times[place(identity, index)];
     }
     return all;
 }

@@ -252,7 +252,10 @@ std::vector<Received> Running::received()
         all.push_back(recorded_in(swarm_.home(), numbering_));
     if (branch_) {
         branching_ = {};  // waits for its end
-        std::ranges::move(branch_->received(numbering_), std::back_inserter(all));
+        const auto place = [this](const Identity& identity, std::int64_t index) {
+            return std::pair(numbering_.run_of(identity.epoch), index);
+        };
+        std::ranges::move(branch_->received(place), std::back_inserter(all));
     }
     return all;
 }

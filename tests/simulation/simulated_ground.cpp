@@ -244,8 +244,6 @@ void SimulatedGround::live(const std::string& name, EmbeddedDrone& embedded, con
         running->drone = &drone;
         running->epoch = drone.status().epoch;
         running->ready = true;
-        if (name == mixtures::source)
-            numbering_.began(running->epoch);
     });
     embedded.run();
 }
@@ -317,14 +315,20 @@ std::vector<std::string> SimulatedGround::end()
 
 // --- the collector ---
 
+/// Epoch of the source's run, and number in it.
+std::pair<std::int64_t, std::int64_t> SimulatedGround::place_of(const Identity& identity) const
+{
+    const auto found = captures_.find({identity.captured_us, identity.sequence});
+    return found == captures_.end() ? std::pair(identity.epoch, identity.sequence) : found->second;
+}
+
 void SimulatedGround::take(const Event& event, bool failed)
 {
     check_age(event);
     if (const auto wrong = failed ? std::nullopt : wrong_body(event))
         wrong_bodies_.push_back(*wrong);
     auto outcome = mixtures::outcome_of(event, failed);
-    if (const auto found = captures_.find({event.identity.captured_us, outcome.sequence}); found != captures_.end())
-        std::tie(outcome.epoch, outcome.sequence) = found->second;
+    std::tie(outcome.epoch, outcome.sequence) = place_of(event.identity);
     collected_.came.push_back(std::move(outcome));
     trace_.line("collector", std::to_string(event.identity.sequence) + ": " + to_text(collected_.came.back()));
 }
@@ -378,7 +382,8 @@ void SimulatedGround::collect_branch()
 
 std::vector<mixtures::Received> SimulatedGround::received()
 {
-    return branch_ ? branch_->received(numbering_) : std::vector<mixtures::Received>{};
+    const auto place = [this](const Identity& identity, std::int64_t) { return place_of(identity); };
+    return branch_ ? branch_->received(place) : std::vector<mixtures::Received>{};
 }
 
 }  // namespace hive::simulation

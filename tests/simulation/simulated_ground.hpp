@@ -122,6 +122,7 @@ private:
     [[nodiscard]] std::vector<Endpoint> ends() const;
     void collect();
     void collect_branch();
+    [[nodiscard]] std::pair<std::int64_t, std::int64_t> place_of(const Identity& identity) const;
     void take(const Event& event, bool failed);
     void check_age(const Event& event);
     [[nodiscard]] int machine_of(const std::string& drone) const;
@@ -180,7 +181,6 @@ private:
     Collected collected_;
     std::optional<mixtures::Branch> branch_;
     Process* branching_ = nullptr;  ///< collects it
-    mixtures::Numbering numbering_;
     Links links_;
     Time silent_until_{}, reachable_from_{};
     Deadline calls_, waits_, impatient_calls_, replaces_;
