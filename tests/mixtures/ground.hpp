@@ -40,6 +40,15 @@ public:
     /// A source on demand produces so soon when all have asked.
     [[nodiscard]] virtual std::chrono::milliseconds pace() const { return stillness(); }
 
+    /// Does the machine never hold up a process for long?
+    [[nodiscard]] virtual bool punctual() const { return false; }
+
+    /// Has the network ended a connection between two machines as if the peer had died?
+    [[nodiscard]] virtual bool was_cut(const std::string& /*drone*/, const std::string& /*peer*/) const
+    {
+        return false;
+    }
+
     /// Addresses of a drone.
     [[nodiscard]] virtual std::int64_t max_places() const { return 1; }
 

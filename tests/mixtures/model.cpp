@@ -244,6 +244,22 @@ Model::Way Model::way_of(const Outcome& outcome) const
     return way;
 }
 
+/// The last bystander that an exception came through.
+std::optional<std::string> Model::bystander_of(const Outcome& outcome) const
+{
+    const auto last = std::find_if(topology_.bystanders.rbegin(), topology_.bystanders.rend(), [&](const auto& drone) {
+        return outcome.sender == drone || std::ranges::count(outcome.hops, drone) > 0;
+    });
+    return last == topology_.bystanders.rend() ? std::nullopt : std::optional(*last);
+}
+
+bool Model::owes(const Way& bystanders, std::int64_t epoch, std::int64_t sequence) const
+{
+    return !is_excused(bystanders, epoch, sequence) && std::ranges::none_of(bystanders, [&](const auto& drone) {
+        return given_up_.contains({drone, std::pair(epoch, sequence)});
+    });
+}
+
 std::vector<Model::Way> Model::ways() const
 {
     std::vector<Way> ways{{}};
@@ -274,6 +290,10 @@ std::optional<std::string> Model::came(const Outcome& outcome)
 {
     const auto way = way_of(outcome);
     const auto event = std::pair(outcome.epoch, outcome.sequence);
+    if (const auto bystander = bystander_of(outcome)) {
+        given_up_.emplace(*bystander, event);
+        return std::nullopt;
+    }
     auto& before = came_[event];
     for (const auto& other : before)
         if (may_come_beside(other.outcome) == may_come_beside(outcome)

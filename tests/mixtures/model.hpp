@@ -44,10 +44,8 @@ public:
     /// Of a source on demand at rest: what has not come, of the events that it has produced in this epoch.
     [[nodiscard]] std::vector<std::string> missing(std::int64_t epoch, std::int64_t produced) const;
     /// Must the event have come by way of these bystanders?
-    [[nodiscard]] bool owes(const std::vector<std::string>& bystanders, std::int64_t epoch, std::int64_t sequence) const
-    {
-        return !is_excused(bystanders, epoch, sequence);
-    }
+    [[nodiscard]] bool owes(const std::vector<std::string>& bystanders, std::int64_t epoch,
+                            std::int64_t sequence) const;
     /// At most, of an event.
     [[nodiscard]] std::int64_t max_results() const { return std::ssize(ways()); }
     /// Those that have come of this event, and that any other collector must have got.
@@ -72,6 +70,7 @@ private:
     };
 
     [[nodiscard]] Way way_of(const Outcome& outcome) const;
+    [[nodiscard]] std::optional<std::string> bystander_of(const Outcome& outcome) const;
     [[nodiscard]] std::vector<Way> ways() const;
     [[nodiscard]] bool is_excused(const Way& way, std::int64_t epoch, std::int64_t sequence) const;
     void excuse(const std::string& drone);
@@ -97,6 +96,7 @@ private:
     std::set<std::string> stopped_;  ///< drones that have forgotten what they were told, and for whom they worked
     std::set<std::pair<std::string, std::string>> alone_;  ///< sender, receiver: connected alone, whatever its stage is
     std::map<std::pair<std::int64_t, std::int64_t>, std::vector<Came>> came_;
+    std::set<std::pair<std::string, std::pair<std::int64_t, std::int64_t>>> given_up_;    ///< by bystanders
     std::map<std::pair<Way, std::int64_t>, std::pair<std::int64_t, std::int64_t>> last_;  ///< of each way and epoch
 };
 

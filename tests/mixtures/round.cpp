@@ -18,7 +18,10 @@ Round::Round(Plan plan, Ground& ground)
                  + ground.collectors() - 1,
              ground_.max_places()),
       waits_(plan_.topology.demand),
-      idle_(ground.pace())
+      idle_(ground.pace()),
+      fates_(
+          plan_.topology, [&ground](const auto& drone, const auto& peer) { return ground.was_cut(drone, peer); },
+          !ground.punctual() || plan_.faults.contains(fault::silence))
 {
     for (const auto& drone : plan_.topology.workers())
         values_.began(drone, first_setting);
@@ -74,6 +77,7 @@ Problems Round::one(const Step& step, bool last)
 {
     problems_.clear();
     model_.before(step);
+    fates_.before(step);
     try {
         perform(step);
         if (step.settle)

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "checks.hpp"
+#include "fates.hpp"
 #include "ground.hpp"
 #include "idle.hpp"
 #include "lease.hpp"
@@ -87,6 +88,7 @@ private:
     Waits waits_;
     Lease lease_;
     Idle idle_;
+    Fates fates_;
     std::set<std::string> stopped_;
     Problems problems_;  ///< found while steps were done
 };

@@ -84,6 +84,7 @@ Problems Round::watch(const Statuses& statuses)
     add(window_.look(statuses));
     add(sizes_.look(statuses));
     add(waits_.look(statuses));
+    add(fates_.look(statuses));
     const Statuses unknown;
     const auto& heard = ground_.all_hear() ? statuses : unknown;
     add(lease_.look(heard, ground_.now()));

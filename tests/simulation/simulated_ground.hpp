@@ -58,6 +58,11 @@ public:
         return world_.now() > silent_until_ + std::chrono::milliseconds(50);
     }
     [[nodiscard]] std::chrono::milliseconds pace() const override { return std::chrono::milliseconds(50); }
+    [[nodiscard]] bool punctual() const override { return true; }
+    [[nodiscard]] bool was_cut(const std::string& drone, const std::string& peer) const override
+    {
+        return cut_.contains({drone, peer}) || cut_.contains({peer, drone});
+    }
     void connect(const mixtures::Edge& edge) override;
     std::vector<ConnectAnswer> connect(const std::vector<SwarmConnection>& connections,
                                        std::chrono::milliseconds timeout) override;
@@ -182,6 +187,7 @@ private:
     std::optional<mixtures::Branch> branch_;
     Process* branching_ = nullptr;  ///< collects it
     Links links_;
+    std::set<std::pair<std::string, std::string>> cut_;  ///< between two machines
     Time silent_until_{}, reachable_from_{};
     Deadline calls_, waits_, impatient_calls_, replaces_;
     std::optional<Application> application_, impatient_;  ///< the latter asks drones that cannot answer

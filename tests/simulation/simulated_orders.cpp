@@ -193,6 +193,8 @@ void SimulatedGround::cut_sometimes()
         ++disturbances_;
         trace_.line("network", "cut " + name + " - " + peer);
         links_.cut(name, peer, world_.now());
+        if (machine_of(name) != machine_of(peer))
+            cut_.emplace(name, peer);
     });
 }
 

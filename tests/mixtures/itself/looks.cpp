@@ -1,4 +1,5 @@
 // Oracles that look at every status: each is quiet at a good one, and fires at one that breaks its promise.
+#include "../fates.hpp"
 #include "../limits.hpp"
 #include "../pace.hpp"
 #include "../waits.hpp"
@@ -231,4 +232,30 @@ TEST_CASE("restored: an input that nobody wanted is a problem, and so is one tha
     CHECK(wrongly_connected(working(), Wanted{{source, "a1"}, {source, "a2"}}).empty());  // a2 does not answer
     CHECK(is_of(wrongly_connected(working(), Wanted{}), "restored"));
     CHECK(is_of(wrongly_connected(working(), Wanted{{source, "a1"}, {"a1", source}}), "restored"));
+}
+
+TEST_CASE("fates: what is lost has the cause that is counted")
+{
+    bool cut = false;
+    const auto look_after = [&](Fate fate, std::optional<Step> step) {
+        Fates oracle(
+            one_stage, [&](auto&, auto&) { return cut; }, false);
+        if (step)
+            oracle.before(*step);
+        auto statuses = working();
+        tick_edge(statuses).events.went(fate);
+        return oracle.look(statuses);
+    };
+    const Step kill{.verb = Verb::kill, .drone = "a1"}, freeze{.verb = Verb::freeze, .drone = source},
+        leave{.verb = Verb::disconnect, .drone = "a1", .sender = source};
+    CHECK(look_after(Fate::lost_connection, {}).empty());
+    for (const auto& [fate, cause] : {std::pair(Fate::lost_killed, kill), std::pair(Fate::lost_left, leave),
+                                      std::pair(Fate::lost_cut_off, freeze)}) {
+        CHECK(is_of(look_after(fate, {}), "fates"));
+        CHECK(look_after(fate, cause).empty());
+    }
+    CHECK(is_of(look_after(Fate::lost_killed, leave), "fates"));
+    CHECK(is_of(look_after(Fate::lost_killed, Step{.verb = Verb::kill, .drone = source}), "fates"));
+    cut = true;
+    CHECK(look_after(Fate::lost_killed, {}).empty());
 }

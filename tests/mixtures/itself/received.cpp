@@ -35,6 +35,20 @@ TEST_CASE("mixtures: a bystander gets each event once, from when it is connected
     CHECK(wrong({{{7, 2}, 1}, {{7, 3}, 1}}, model, {"the file has no end"}) == 1);
 }
 
+TEST_CASE("mixtures: a bystander does not get what it has crashed at three times")
+{
+    Model model({.bystanders = {forker, joiner}, .stages = {{.drones = {"a1"}, .options = {}}}});
+    for (const auto& drone : {forker, joiner})
+        model.whole(drone, 7, 0);
+    CHECK(model.owes({forker}, 7, 1));
+    CHECK_FALSE(model.came({.failed = true, .sender = forker, .epoch = 7, .sequence = 1, .hops = {forker, joiner}}));
+    CHECK(model.owes({forker}, 7, 1));
+    CHECK_FALSE(model.owes({forker, joiner}, 7, 1));
+    CHECK_FALSE(model.came({.failed = true, .sender = source, .epoch = 7, .sequence = 2, .hops = {source, forker}}));
+    CHECK_FALSE(model.owes({forker}, 7, 2));
+    CHECK(model.missing(7, 2).size() == 2);  // those of a1
+}
+
 TEST_CASE("mixtures: a source whose group has no member goes on for a bystander")
 {
     Stage group{.drones = {"a1"}, .options = {}};

@@ -1,0 +1,30 @@
+// What is counted as lost is counted with its cause.
+#pragma once
+
+#include "checks.hpp"
+
+#include <functional>
+
+namespace hive::mixtures {
+
+/// fates: nothing is lost at a drone that was killed, or left, if no order or fault has killed it or ended its
+/// connection; and nothing is cut off unless somebody was frozen or not heard.
+class Fates {
+public:
+    /// Has the network ended a connection of these two as if one had died?
+    using WasCut = std::function<bool(const std::string& drone, const std::string& peer)>;
+
+    /// @param topology  its drones are known, with those that collect; others come and go
+    /// @param silent    somebody may not be heard for 2 s without an order
+    Fates(const Topology& topology, WasCut was_cut, bool silent);
+
+    void before(const Step& step);
+    [[nodiscard]] Problems look(const Statuses& statuses) const;
+
+private:
+    WasCut was_cut_;
+    std::set<std::string> known_, may_die_, may_leave_;
+    bool silent_;
+};
+
+}  // namespace hive::mixtures
