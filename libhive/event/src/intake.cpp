@@ -208,7 +208,7 @@ void Intake::confirmed(const LinkPtr& link, const Json& result, std::int64_t hel
     connected_ = true;
     kind_ = link->peer().file.empty() ? link->peer().kind : link->peer().file;
     tried_ = 0;
-    sender_leaves_ = false;
+    sender_leaves_ = replaced_ = false;
     end_.reset();  // the sender sends its end again, if it still holds, and is then asked again
     answered_ = question_;
     changed();
@@ -395,20 +395,27 @@ std::optional<Error> Intake::refusal() const
 
 bool Intake::gone_for_good() const
 {
-    return !connected_ && (sender_leaves_ || Clock::now() - lost_at_ >= (replaced() ? others_work : lost_for_good));
+    return !connected_ && (sender_leaves_ || replaced_ || Clock::now() - lost_at_ >= lost_for_good);
 }
 
-/// Does another member of its sender's group do the work?
-bool Intake::replaced() const
+void Intake::look_at_others(const std::vector<std::shared_ptr<Intake>>& all)
 {
-    return !sender_group_.empty() && std::ranges::any_of(module_.intakes(), [this](const auto& other) {
-        return other->connected_ && other->sender_group_ == sender_group_;
-    });
+    replaced_ = replaced_
+                || (!connected_ && Clock::now() - lost_at_ >= others_work
+                    && std::ranges::any_of(all, [this](const auto& other) { return other->does_work_of(*this); }));
+}
+
+/// Is its sender another member of one of the groups to which the sender of the other one belongs?
+bool Intake::does_work_of(const Intake& lost) const
+{
+    return connected_ && spec_.sender != lost.spec_.sender && spec_.output != "exceptions"
+           && std::ranges::any_of(sender_groups_,
+                                  [&](auto& group) { return std::ranges::count(lost.sender_groups_, group) > 0; });
 }
 
 std::string Intake::lacks() const
 {
-    return sender_leaves_ || replaced() ? "" : spec_.sender + " was lost, and has not come back within 30 s";
+    return sender_leaves_ || replaced_ ? "" : spec_.sender + " was lost, and has not come back within 30 s";
 }
 
 }  // namespace hive::event

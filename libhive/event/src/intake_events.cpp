@@ -17,6 +17,7 @@ using namespace std::chrono_literals;
 
 constexpr std::int64_t no_generation = -1;  // of an event that is not requested, and not acknowledged
 constexpr auto late_report = 10ms;
+constexpr std::size_t most_groups = 8;
 constexpr std::size_t most_shown = 400;  // of an error in the status, which has a row per input
 
 std::string text_of(const Error& error) { return error.what() + (error.advice().empty() ? "" : "; " + error.advice()); }
@@ -137,7 +138,8 @@ std::int64_t Intake::note_share(Event& event)
     const auto before = std::find_if_not(shares.rbegin(), shares.rend(), [&](const Share& share) {
         return belongs_to(std::string_view(share.of).substr(0, share.of.find('#')), spec_.sender);
     });
-    sender_group_ = before != shares.rend() && before->group() ? before->of : "";
+    if (before != shares.rend() && before->group())
+        note_group(before->of);
     const bool lossless = event.identity.lossless;
     if (shares.empty())
         return progress_.receive(lossless, 0);
@@ -149,6 +151,16 @@ std::int64_t Intake::note_share(Event& event)
     group_->turn = std::max(group_->turn, share.turn);
     group_->closed = std::max(group_->closed, share.closed);
     return progress_.receive(lossless, share.turn);
+}
+
+/// A sender whose receivers are two senders' group has work of both.
+void Intake::note_group(const std::string& group)
+{
+    if (std::ranges::count(sender_groups_, group) > 0)
+        return;
+    sender_groups_.push_back(group);
+    if (sender_groups_.size() > most_groups)
+        sender_groups_.pop_front();
 }
 
 void Intake::heard(std::int64_t generation, std::int64_t number, bool worked, bool done, std::optional<Ending> ending)
@@ -240,6 +252,8 @@ InputStatus Intake::status() const
 
 bool EndOfInputs::look(const Intakes& intakes, const Intakes& leaving)
 {
+    for (const auto& intake : intakes)
+        intake->look_at_others(intakes);
     auto now = std::ranges::all_of(leaving, &Intake::all_worked) ? text_of(intakes) : std::nullopt;
     const std::lock_guard lock(mutex_);
     const bool changed = now != text_;

@@ -64,7 +64,7 @@ void Matcher::push(Event event, TimePoint now)
 void Matcher::expire(TimePoint now)
 {
     for (auto& line : lines_)
-        line.forget_silent_senders(now - timeout);
+        line.leave_out_silent_senders(now - timeout);
     if (const auto due = deadline(); !due || *due > now)
         return;
     if (match_.tolerance)

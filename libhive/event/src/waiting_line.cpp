@@ -10,32 +10,36 @@ namespace hive::event {
 
 void Runs::hear(const std::string& source, std::int64_t epoch, std::int64_t before)
 {
-    if (epoch == before || position(source, epoch) >= 0)
+    if (epoch == before)
         return;
     auto& runs = runs_[source];
-    auto at = std::ranges::find(runs, before);
-    at = at == runs.end() ? runs.begin() : std::next(at);
-    runs.insert(std::find_if(at, runs.end(), [&](std::int64_t each) { return each > epoch; }), epoch);
+    if (std::ranges::count(runs, epoch) > 0)
+        return;
+    const auto after = std::ranges::find(runs, before);
+    const auto from = after == runs.end() ? runs.begin() : std::next(after);
+    runs.insert(std::find_if(from, runs.end(), [&](std::int64_t each) { return each > epoch; }), epoch);
     if (runs.size() > most)
         runs.erase(runs.begin());
     if (runs_.size() > most)
         runs_.erase(runs_.begin()->first == source ? std::next(runs_.begin()) : runs_.begin());
 }
 
-std::ptrdiff_t Runs::position(const std::string& source, std::int64_t epoch) const
+bool Runs::precedes(const std::string& source, std::int64_t one, std::int64_t other) const
 {
     const auto runs = runs_.find(source);
-    if (runs == runs_.end())
-        return -1;
-    const auto found = std::ranges::find(runs->second, epoch);
-    return found == runs->second.end() ? -1 : found - runs->second.begin();
+    const auto position = [&](std::int64_t epoch) {
+        const auto found = std::ranges::find(runs->second, epoch);
+        return found == runs->second.end() ? -1 : found - runs->second.begin();
+    };
+    if (runs == runs_.end() || position(one) == position(other))
+        return one < other;
+    return position(one) < position(other);
 }
 
 bool WaitingLine::precedes(const std::string& source, const Place& one, const Place& other) const
 {
-    if (one.epoch != other.epoch)
-        return runs_->position(source, one.epoch) < runs_->position(source, other.epoch);
-    return std::tie(one.sequence, one.part) < std::tie(other.sequence, other.part);
+    return one.epoch == other.epoch ? std::tie(one.sequence, one.part) < std::tie(other.sequence, other.part)
+                                    : runs_->precedes(source, one.epoch, other.epoch);
 }
 
 void WaitingLine::add(Event event, TimePoint due)
@@ -78,6 +82,7 @@ void WaitingLine::hear(const Event& event, TimePoint now)
     heard_at_ = now;
     Sender& sender = sender_of(event);
     sender.heard_at = now;
+    sender.silent = false;
     sender.shares = event.identity.shared_work() != nullptr;
     const auto place = place_of(event.identity);
     runs_->hear(sender.source, place.epoch, sender.shares ? 0 : sender.place.epoch);
@@ -90,9 +95,10 @@ void WaitingLine::hear(const Event& event, TimePoint now)
             each.captured_us = until;
 }
 
-void WaitingLine::forget_silent_senders(TimePoint before)
+void WaitingLine::leave_out_silent_senders(TimePoint before)
 {
-    std::erase_if(senders_, [&](const Sender& each) { return each.heard_at < before; });
+    for (auto& each : senders_)
+        each.silent = each.silent || each.heard_at < before;
 }
 
 std::optional<std::size_t> WaitingLine::find(const Identity& identity) const
@@ -109,7 +115,7 @@ bool WaitingLine::passed(const Identity& identity) const
 {
     bool known = false;
     for (const auto& each : senders_)
-        if (each.source == identity.source) {
+        if (!each.silent && each.source == identity.source) {
             if (each.shares || precedes(each.source, each.place, place_of(identity)))
                 return false;
             known = true;
@@ -120,7 +126,7 @@ bool WaitingLine::passed(const Identity& identity) const
 bool WaitingLine::overtook(const Identity& identity) const
 {
     return std::ranges::any_of(senders_, [&](const Sender& each) {
-        return each.source == identity.source && precedes(each.source, place_of(identity), each.place);
+        return !each.silent && each.source == identity.source && precedes(each.source, place_of(identity), each.place);
     });
 }
 
@@ -133,8 +139,11 @@ std::optional<std::size_t> WaitingLine::nearest(std::int64_t captured_us) const
 
 std::optional<std::int64_t> WaitingLine::heard_until() const
 {
-    const auto slowest = std::ranges::min_element(senders_, {}, &Sender::captured_us);
-    return slowest == senders_.end() ? std::nullopt : std::optional(slowest->captured_us);
+    std::optional<std::int64_t> until;
+    for (const auto& each : senders_)
+        if (!each.silent)
+            until = std::min(until.value_or(each.captured_us), each.captured_us);
+    return until;
 }
 
 }  // namespace hive::event

@@ -18,6 +18,9 @@ using service::Worker;
 
 namespace {
 
+/// More than a run has.
+constexpr std::int64_t most_ends = 1 << 20;
+
 /// Converts values to texts, as on the command line.
 std::string in_words(const Json& value) { return value.is_string() ? value.get<std::string>() : to_text(value); }
 
@@ -79,13 +82,13 @@ DroneCore::Running::Running(DroneCore& core)
 }
 
 /// Peers recognise the next run of a drone by its larger epoch, and the clock may have been set back since the last
-/// run.
+/// run. Each end of a source takes an epoch as well, and the state does not say how many.
 Json DroneCore::Running::first_state(DroneCore& core)
 {
     if (!core.settings_.take_over)
         claim.emplace(home, core.self_.name);
     auto state = core.left_state(home);
-    core.self_.epoch = std::max(core.self_.epoch, service::left_epoch(state, core.reporter_) + 1);
+    core.self_.epoch = std::max(core.self_.epoch, service::left_epoch(state, core.reporter_) + most_ends);
     return state;
 }
 

@@ -76,10 +76,10 @@ void ConnectionCore::ping(std::function<void(bool)> answered)
     if (ended_)
         return asio::post(context_, [answered = std::move(answered)] { answered(false); });
     constexpr std::size_t max_unanswered = 1024;
-    pings_.push_back(std::move(answered));
+    pings_.push_back({Clock::now(), std::move(answered)});
     if (pings_.size() > max_unanswered)
         return end(about_peer({Errc::malformed, "it answers no ping"}));
-    liveness_.pinged(Clock::now());
+    liveness_.pinged(pings_.back().sent);
     send(protocol::make_packet(protocol::PacketType::ping, {}), {});
 }
 
@@ -87,10 +87,10 @@ void ConnectionCore::take_pong()
 {
     if (pings_.empty())
         return;  // an answer without a ping
-    const auto answered = std::move(pings_.front());
+    const auto ping = std::move(pings_.front());
     pings_.pop_front();
-    liveness_.answered(Clock::now(), pings_.size());
-    answered(true);
+    liveness_.answered(ping.sent, pings_.size());
+    ping.answered(true);
 }
 
 /// Replaces a body in shared memory by a reference. The offer of its segment is a control packet, so it arrives first.
@@ -129,8 +129,8 @@ void ConnectionCore::end(const Error& reason, bool by_peer)
             written(false);
         if (told && told->closed)
             told->closed(*self->ended_);
-        for (const auto& answered : pings)
-            answered(false);
+        for (const auto& ping : pings)
+            ping.answered(false);
     });
 }
 

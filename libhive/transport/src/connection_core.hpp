@@ -79,7 +79,11 @@ private:
     std::unique_ptr<Borrowing> borrowing_;            ///< from the peer's first segment on
     std::shared_ptr<Connection::Handlers> handlers_;  ///< shared with a running call, which may end the connection
     std::optional<Error> ended_;
-    std::deque<std::function<void(bool)>> pings_;  ///< unanswered ones, the oldest first
+    struct Ping {
+        Liveness::Clock::time_point sent;
+        std::function<void(bool)> answered;
+    };
+    std::deque<Ping> pings_;  ///< unanswered ones, the oldest first
     std::uint64_t most_body_ = 0;
     bool hello_came_ = false;
     bool opened_ = false;

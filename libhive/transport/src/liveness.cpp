@@ -13,17 +13,13 @@ constexpr std::int64_t least_bytes_per_second = 64 * 1024;
 void Liveness::pinged(Clock::time_point now)
 {
     probed_ = now;
-    if (!unanswered_)
-        unanswered_ = now;
+    unanswered_ = true;
 }
 
-void Liveness::answered(Clock::time_point now, std::size_t unanswered)
+void Liveness::answered(Clock::time_point sent, std::size_t unanswered)
 {
-    if (unanswered_)
-        received_ = unanswered > 0 ? *unanswered_ : probed_;
-    unanswered_.reset();
-    if (unanswered > 0)  // they were sent before now
-        unanswered_ = now;
+    received_ = sent;
+    unanswered_ = unanswered > 0;
 }
 
 void Liveness::heard(Clock::time_point now, std::size_t bytes, bool fresh)

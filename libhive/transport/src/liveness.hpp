@@ -27,8 +27,9 @@ public:
     /// A ping is being sent.
     void pinged(Clock::time_point now);
     /// The oldest unanswered ping was answered.
+    /// @param sent        when it was sent
     /// @param unanswered  number of pings that are still unanswered
-    void answered(Clock::time_point now, std::size_t unanswered);
+    void answered(Clock::time_point sent, std::size_t unanswered);
     /// Bytes arrived. `fresh`: they begin or end a packet.
     void heard(Clock::time_point now, std::size_t bytes, bool fresh);
 
@@ -57,7 +58,7 @@ private:
     Clock::time_point received_;  ///< when the last ping was sent that the peer answered; at first the start
     Clock::time_point probed_;    ///< the last ping, at first the start
     std::optional<Clock::time_point> sent_;
-    std::optional<Clock::time_point> unanswered_;  ///< a ping has no answer since then
+    bool unanswered_ = false;  ///< a ping
     bool hello_ = false;
     Clock::time_point window_;  ///< since when the bytes of the current packet are counted
     std::size_t window_bytes_ = 0;

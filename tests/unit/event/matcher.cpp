@@ -76,6 +76,30 @@ TEST_CASE("matcher: a source may restart after its clock was set back, and sever
     CHECK(c.waiting() == 0);
 }
 
+TEST_CASE("matcher: a source that restarts after its clock was set back may have been silent for long")
+{
+    Case c;
+    c.give("image", {8, 9}, {.epoch = 5});
+    CHECK(c.give("marks", {8}, {.epoch = 5}) == Sets{{8, 8}});
+    c.pass(2 * Matcher::timeout);
+    CHECK(c.give("image", {1}, {.epoch = 2}).empty());
+    CHECK(c.give("marks", {1}, {.epoch = 2}) == Sets{{1, 1}});
+    CHECK(c.missing("marks") == 1);
+}
+
+TEST_CASE("matcher: of more sources than are remembered each has its runs ordered by epoch")
+{
+    Case c;
+    for (int i = 0; i < 2 * static_cast<int>(Runs::most); ++i) {
+        const auto source = "source-" + std::to_string(1000 + i);
+        c.give("image", {7}, {.source = source, .epoch = 5});
+        CHECK(c.give("marks", {7}, {.source = source, .epoch = 5}) == Sets{{7, 7}});
+    }
+    c.give("image", {1}, {.source = "source-1000", .epoch = 6});
+    CHECK(c.give("marks", {1}, {.source = "source-1000", .epoch = 6}) == Sets{{1, 1}});
+    CHECK(c.matcher.counts().unmatched == 0);
+}
+
 TEST_CASE("matcher: other sources, epochs and parts are other captures")
 {
     Case c;

@@ -20,6 +20,7 @@ inline const Matcher::TimePoint start{};
 /// What an event is made of, beside its sequence: a live one of the camera, unless it says otherwise.
 struct Made {
     bool lossless = false;
+    std::string source = "camera";
     std::int64_t epoch = 1;
     int part = 0;
     std::string sender = {};
@@ -34,7 +35,7 @@ inline Event event(const std::string& input, std::int64_t sequence, const Made& 
     if (!made.group.empty())
         shares.push_back({.of = "camera.image#" + made.group, .epoch = 1, .turn = sequence});
     Event event;
-    event.identity = {.source = "camera",
+    event.identity = {.source = made.source,
                       .epoch = made.epoch,
                       .sequence = sequence,
                       .captured_us = made.captured_us < 0 ? 10'000 * sequence : made.captured_us,

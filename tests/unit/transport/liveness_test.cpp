@@ -66,7 +66,7 @@ TEST_CASE("liveness: a ping is due each second, whatever else is sent, while all
     CHECK(own.next_look(zero + 900ms, false) == zero + 1s);
     own.pinged(zero + 1s);
     CHECK_FALSE(own.probe_due(zero + 10s));
-    own.answered(zero + 1100ms, 0);
+    own.answered(zero + 1s, 0);
     CHECK_FALSE(own.probe_due(zero + 1999ms));
     CHECK(own.probe_due(zero + 2s));
 }
@@ -81,12 +81,12 @@ TEST_CASE("liveness: a peer may have heard nothing since the last ping that it a
     own.pinged(zero + 1s);
     own.heard(zero + 1200ms, 1, true);  // something else
     CHECK(own.seemed_dead(zero + 2s));
-    own.answered(zero + 1300ms, 0);
+    own.answered(zero + 1s, 0);
     CHECK_FALSE(own.seemed_dead(zero + 2999ms));
     CHECK(own.seemed_dead(zero + 3s));
     own.pinged(zero + 2s);
     own.pinged(zero + 3s);
-    own.answered(zero + 3100ms, 1);  // the first of the two
+    own.answered(zero + 2s, 1);  // the first of the two
     CHECK_FALSE(own.seemed_dead(zero + 3999ms));
     CHECK(own.seemed_dead(zero + 4s));
     own.excuse(5s);

@@ -101,6 +101,8 @@ public:
     [[nodiscard]] bool all_worked() const noexcept { return !progress_.works(); }
     /// Does the sender know, or is it not there, that this one is gone?
     [[nodiscard]] bool has_left() const noexcept { return stage_ == Stage::left; }
+    /// Notes whether another sender does the work of this one, which is lost. @param all  inputs with the same end
+    void look_at_others(const std::vector<std::shared_ptr<Intake>>& all);
     /// May the end of the other inputs ignore this sender, because it is lost or stopped (SPEC.md, section 5.6)?
     [[nodiscard]] bool gone_for_good() const;
     /// What is missing if the end did not wait for this sender; empty: nothing.
@@ -141,7 +143,8 @@ private:
     void forget_unfinished();
     void end_if_done();
     [[nodiscard]] bool refuses_now() const;
-    [[nodiscard]] bool replaced() const;
+    [[nodiscard]] bool does_work_of(const Intake& lost) const;
+    void note_group(const std::string& group);
     void tell(const std::optional<protocol::Request>& news);
 
     Module& module_;
@@ -175,9 +178,10 @@ private:
 
     std::int64_t sender_epoch_ = 0;
     InputProgress progress_;
-    std::string sender_group_{};   ///< of whose work the last event was; empty: none
-    bool sender_leaves_ = false;   ///< it said that it is being stopped
-    bool unacknowledged_ = false;  ///< what arrives is discarded, and the sender is not told
+    std::deque<std::string> sender_groups_;  ///< whose work came from the sender, the last ones
+    bool replaced_ = false;                  ///< the sender is lost, and another member of its group does the work
+    bool sender_leaves_ = false;             ///< it said that it is being stopped
+    bool unacknowledged_ = false;            ///< what arrives is discarded, and the sender is not told
 
     std::optional<Share> group_;  ///< its standing
     std::int64_t received_ = 0, age_us_ = 0;

@@ -14,16 +14,16 @@
 
 namespace hive::event {
 
-/// The runs of each source, the earliest first. They are ordered by epoch, unless a source was restarted after its
-/// clock had been set back: a sender passes on the events of a source in their order.
+/// The order of the runs of each source: by epoch, unless a sender that keeps the order of events shows that the clock
+/// was set back before a run.
 class Runs {
 public:
-    static constexpr std::size_t most = 64;  ///< of a source, and sources
+    static constexpr std::size_t most = 64;  ///< of a source, and sources; others are ordered by epoch
 
-    /// A sender passes on an event of this run. @param before  the run of its event before that; 0: none
+    /// An event of this run has come. @param before  the run of its sender's event before that; 0: unknown, or the
+    /// sender keeps no order
     void hear(const std::string& source, std::int64_t epoch, std::int64_t before);
-    /// The position of a run; -1: unknown, so it is earlier than all known ones.
-    [[nodiscard]] std::ptrdiff_t position(const std::string& source, std::int64_t epoch) const;
+    [[nodiscard]] bool precedes(const std::string& source, std::int64_t one, std::int64_t other) const;
 
 private:
     std::map<std::string, std::vector<std::int64_t>> runs_;
@@ -62,7 +62,8 @@ public:
 
     /// Records the progress of this event's sender.
     void hear(const Event& event, TimePoint now);
-    void forget_silent_senders(TimePoint before);
+    /// Those that were not heard since then pass nothing any more, until they are heard again.
+    void leave_out_silent_senders(TimePoint before);
     [[nodiscard]] TimePoint heard_at() const noexcept { return heard_at_; }
     void begin(TimePoint now) { heard_at_ = now; }
 
@@ -88,7 +89,7 @@ private:
         std::string drone, output, source;
         Place place;
         std::int64_t captured_us = 0;
-        bool shares = false;
+        bool shares = false, silent = false;
         TimePoint heard_at{};
     };
     static Place place_of(const Identity& identity) { return {identity.epoch, identity.sequence, identity.part}; }
