@@ -88,6 +88,32 @@ TEST_CASE("end: behind workers that share, one of which is killed, everything co
     CHECK(sequences == one_to(60));
     CHECK(end == "");
     CHECK(collector->counts().missing == 0);
+    for (const auto* worker : {"worker-1", "worker-3"})
+        swarm.hivectl_done({"stop", worker});
+    CHECK_FALSE(collector->next(300ms));
+    CHECK(collector->ended() == "");  // the others did the work of the one that was killed
+}
+
+TEST_CASE("end: a worker that was killed is replaced by one that shares the work of two senders with it")
+{
+    const Swarm swarm;
+    const auto source = swarm.drone("ticker", "source", {"pace=demand", counted(30)},
+                                    {"--expect", "one.image", "--expect", "two.image"});
+    const auto one = swarm.drone("sleeper", "one"), two = swarm.drone("sleeper", "two");
+    const auto worker = swarm.drone("sleeper", "worker-1", {"work_ms=5"});
+    auto killed = swarm.drone("sleeper", "worker-2", {"work_ms=5"});
+    auto application = swarm.application();
+    const auto collector = application.collect(results_of(2));
+    for (const auto* sender : {"one", "two"})
+        for (const auto* member : {"worker-1", "worker-2"})
+            application.connect({sender, "result"}, {member, "image"}, member_of("all", 2));
+    application.connect({"source", "tick"}, {"one", "image"});
+    application.connect({"source", "tick"}, {"two", "image"});
+    const auto came = take(*collector, 30).size();
+    killed.kill();
+    const auto [others, end] = take_all(*collector);
+    CHECK(came + others.size() == 60);
+    CHECK(end == "");
 }
 
 TEST_CASE("end: it goes through a drone with two inputs when both have come to it, and sets end too")
