@@ -77,6 +77,44 @@ bool explains(const Status& receiver, const std::string& from)
               });
 }
 
+/// The other end of this edge, if it answers.
+const InputStatus* input_of(const Statuses& statuses, const EdgeStatus& edge, const std::string& from)
+{
+    const auto found = statuses.find(edge.receiver.substr(0, edge.receiver.find('.')));
+    if (found == statuses.end())
+        return nullptr;
+    const auto input = std::ranges::find_if(found->second.inputs, [&](const InputStatus& each) {
+        return each.from == from && each.registration == edge.registration;
+    });
+    return input == found->second.inputs.end() ? nullptr : &*input;
+}
+
+/// Has it anything in hand, or do its results wait, so that it asks for nothing?
+bool is_busy(const Status& status)
+{
+    const auto in_flight = [](const EdgeStatus& edge) { return edge.events.in_flight() != 0; };
+    return std::ranges::any_of(status.inputs, [](auto& input) { return input.queued + input.in_hand > 0; })
+           || std::ranges::any_of(status.left, [](auto& input) { return input.queued + input.in_hand > 0; })
+           || std::ranges::any_of(status.outputs,
+                                  [&](auto& output) { return std::ranges::any_of(output.edges, in_flight); });
+}
+
+/// Can it be why this edge stands still?
+bool is_true(const EdgeStatus& edge, const OutputStatus& output, const Status* receiver, const InputStatus* input)
+{
+    switch (edge.why) {
+    case Reason::not_asked:
+    case Reason::not_acknowledged: return !input || is_busy(*receiver) || receiver->why != Reason::none;
+    case Reason::place_kept: return !edge.connected && !(input && input->connected);
+    case Reason::lane_full: return !receiver;  // who is there reads
+    case Reason::group_awaited:
+        return std::ranges::none_of(output.edges, [&](const EdgeStatus& other) {
+            return !other.group && other.connected && other.options.group == edge.options.group;
+        });
+    default: return true;
+    }
+}
+
 std::string listed(const std::set<std::string>& names)
 {
     std::string text;
@@ -160,6 +198,22 @@ Problems without_reason(const Statuses& statuses)
                     && !(answers && explains(receiver->second, name + "." + output.name)))
                     problems.push_back("why: " + name + "." + output.name + " -> " + edge.receiver
                                        + " stands still without a reason: " + to_text(edge));
+            }
+    return problems;
+}
+
+Problems with_false_reason(const Statuses& statuses)
+{
+    Problems problems;
+    for (const auto& [name, status] : statuses)
+        for (const auto& output : status.outputs)
+            for (const auto& edge : output.edges) {
+                const auto* input = input_of(statuses, edge, name + "." + output.name);
+                const auto receiver = statuses.find(edge.receiver.substr(0, edge.receiver.find('.')));
+                if (!is_true(edge, output, receiver == statuses.end() ? nullptr : &receiver->second, input))
+                    problems.push_back("why: " + name + "." + output.name + " -> " + edge.receiver
+                                       + " gives a reason that is not true: " + to_text(edge)
+                                       + (input ? "; the receiver has " + to_text(*input) : ""));
             }
     return problems;
 }

@@ -22,6 +22,8 @@ bool says_why(const Status& status);
 /// Edges with events under way for which there is no word, when nothing moves. A receiver that does not answer may be
 /// frozen, and its sender need not know yet: that is left out.
 Problems without_reason(const Statuses& statuses);
+/// Edges whose reason cannot be true, when nothing moves.
+Problems with_false_reason(const Statuses& statuses);
 /// Inputs that a drone should not have, and such that it should: what it was told outlives a crash.
 /// @param wanted  sender and receiver
 Problems wrongly_connected(const Statuses& statuses, const std::set<std::pair<std::string, std::string>>& wanted);

@@ -148,6 +148,8 @@ Problems Round::at_rest(const Statuses& statuses, bool complete)
 {
     auto problems = complete ? missing(statuses) : without_reason(statuses);
     std::ranges::move(disagreeing(statuses, ground_.born()), std::back_inserter(problems));
+    if (!complete)
+        std::ranges::move(with_false_reason(statuses), std::back_inserter(problems));
     if (auto problem = values_.found(ground_.settings()))
         problems.push_back(*problem);
     // A drone that has halted does not keep back that there is more.

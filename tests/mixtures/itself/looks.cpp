@@ -259,3 +259,31 @@ TEST_CASE("fates: what is lost has the cause that is counted")
     cut = true;
     CHECK(look_after(Fate::lost_killed, {}).empty());
 }
+
+TEST_CASE("why: a reason that cannot be true is a problem when nothing moves")
+{
+    const auto after = [](Reason why, auto change) {
+        auto statuses = working();
+        tick_edge(statuses).why = why;
+        change(statuses);
+        return with_false_reason(statuses);
+    };
+    const auto as_it_is = [](Statuses&) {};
+    const auto idle = [](Statuses& statuses) {
+        image_input(statuses).queued = image_input(statuses).in_hand = 0;
+        result_edge(statuses).events.went(Fate::acknowledged);
+    };
+    CHECK(after(Reason::not_asked, as_it_is).empty());
+    CHECK(is_of(after(Reason::not_asked, idle), "why"));
+    CHECK(is_of(after(Reason::not_acknowledged, idle), "why"));
+    CHECK(after(Reason::not_asked, [&](Statuses& statuses) {
+              idle(statuses);
+              statuses.at("a1").why = Reason::halted;
+          }).empty());
+    CHECK(is_of(after(Reason::lane_full, as_it_is), "why"));
+    CHECK(after(Reason::lane_full, [](Statuses& statuses) { statuses.erase("a1"); }).empty());  // frozen
+    CHECK(is_of(after(Reason::place_kept, as_it_is), "why"));
+    CHECK(after(Reason::place_kept, [](Statuses& statuses) {
+              tick_edge(statuses).connected = image_input(statuses).connected = false;
+          }).empty());
+}
