@@ -405,7 +405,7 @@ void Intake::look_at_others(const std::vector<std::shared_ptr<Intake>>& all)
                     && std::ranges::any_of(all, [this](const auto& other) { return other->does_work_of(*this); }));
 }
 
-/// Is its sender another member of one of the groups to which the sender of the other one belongs?
+/// Is its sender connected, and a member of the same group as the one that is lost?
 bool Intake::does_work_of(const Intake& lost) const
 {
     return connected_ && spec_.sender != lost.spec_.sender && spec_.output != "exceptions"

@@ -153,7 +153,7 @@ std::int64_t Intake::note_share(Event& event)
     return progress_.receive(lossless, share.turn);
 }
 
-/// A sender whose receivers are two senders' group has work of both.
+/// A worker that receives from several senders is a member of a group at each.
 void Intake::note_group(const std::string& group)
 {
     if (std::ranges::count(sender_groups_, group) > 0)

@@ -58,7 +58,7 @@ private:
     Clock::time_point received_;  ///< when the last ping was sent that the peer answered; at first the start
     Clock::time_point probed_;    ///< the last ping, at first the start
     std::optional<Clock::time_point> sent_;
-    bool unanswered_ = false;  ///< a ping
+    bool unanswered_ = false;  ///< is there a ping without an answer?
     bool hello_ = false;
     Clock::time_point window_;  ///< since when the bytes of the current packet are counted
     std::size_t window_bytes_ = 0;

@@ -178,8 +178,8 @@ private:
 
     std::int64_t sender_epoch_ = 0;
     InputProgress progress_;
-    std::deque<std::string> sender_groups_;  ///< whose work came from the sender, the last ones
-    bool replaced_ = false;                  ///< the sender is lost, and another member of its group does the work
+    std::deque<std::string> sender_groups_;  ///< of which the sender is a member, as its last events say
+    bool replaced_ = false;                  ///< the sender is lost, and another member of a group does its work
     bool sender_leaves_ = false;             ///< it said that it is being stopped
     bool unacknowledged_ = false;            ///< what arrives is discarded, and the sender is not told
 
