@@ -63,6 +63,11 @@ const OutputStatus* output_of(const Statuses& statuses, const std::string& from)
     return output == found->second.outputs.end() ? nullptr : &*output;
 }
 
+bool is_collector(const EdgeStatus& edge)
+{
+    return edge.connected && !edge.group && edge.receiver.find('.') == std::string::npos;
+}
+
 std::string main_output(const std::string& drone) { return drone + "." + Topology::output_of(drone); }
 
 /// Does the receiver say why it does not acknowledge what comes from there? If it waits for its own receivers, that is
@@ -262,9 +267,15 @@ bool connected(const Statuses& statuses, const Edge& edge)
 std::int64_t collectors_of(const Statuses& statuses, const std::string& drone)
 {
     const auto* output = output_of(statuses, main_output(drone));
-    return !output ? 0 : std::ranges::count_if(output->edges, [](const EdgeStatus& edge) {
-        return edge.connected && !edge.group && edge.receiver.find('.') == std::string::npos;
-    });
+    return !output ? 0 : std::ranges::count_if(output->edges, is_collector);
+}
+
+bool all_collected(const Statuses& statuses, const std::string& drone)
+{
+    const auto found = statuses.find(drone);
+    return found != statuses.end() && std::ranges::all_of(found->second.outputs, [](const OutputStatus& output) {
+               return output.name == "exceptions" || std::ranges::any_of(output.edges, is_collector);
+           });
 }
 
 std::int64_t unheard(const Statuses& statuses)

@@ -33,6 +33,8 @@ Problems wrongly_resumed(const Statuses& statuses, const std::set<std::string>& 
 bool connected(const Statuses& statuses, const Edge& edge);
 /// How many applications receive the results of this drone.
 std::int64_t collectors_of(const Statuses& statuses, const std::string& drone);
+/// Does an application receive each of its outputs?
+bool all_collected(const Statuses& statuses, const std::string& drone);
 /// Is the hearer connected, so that it hears the exceptions of this drone? A collector in order hears them as well.
 bool heard(const Statuses& statuses, const std::string& drone);
 /// Exceptions that these drones have told and the hearer has not got.

@@ -37,6 +37,10 @@ bool Round::whole(const Statuses& statuses, const std::string& drone) const
         if (ground_.collectors() > 1 && (drone.empty() || worker == drone)
             && collectors_of(statuses, worker) < ground_.collectors())
             return false;
+    for (const auto& bystander : {forker, joiner})
+        if (plan_.topology.is_bystander(bystander) && (drone.empty() || bystander == drone)
+            && !all_collected(statuses, bystander))
+            return false;
     return std::ranges::all_of(plan_.topology.edges(), [&](const Edge& edge) {
         return (!drone.empty() && edge.sender != drone && edge.receiver != drone) || connected(statuses, edge);
     });
