@@ -2,6 +2,7 @@
 #include "fates.hpp"
 #include "picture.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace hive::mixtures {
@@ -44,6 +45,22 @@ Problems Fates::look(const Statuses& statuses) const
                                        + to_text(edge) + ", without a cause");
             }
     return problems;
+}
+
+/// An exception of a group does not name its members.
+std::optional<std::string> Fates::came(const Outcome& outcome) const
+{
+    const auto has_cause = [this](const std::string& drone) {
+        return may_die_.contains(drone) || may_leave_.contains(drone);
+    };
+    auto named = outcome.hops;
+    std::erase(named, outcome.sender);
+    const bool caused =
+        has_cause(outcome.sender)
+        || (named.empty() ? std::ranges::any_of(known_, has_cause) : std::ranges::any_of(named, has_cause));
+    if (!outcome.failed || !outcome.text.starts_with("abandoned") || silent_ || caused)
+        return std::nullopt;
+    return "fates: event " + std::to_string(outcome.sequence) + " was given up without a cause: " + to_text(outcome);
 }
 
 }  // namespace hive::mixtures

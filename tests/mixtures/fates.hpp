@@ -2,13 +2,15 @@
 #pragma once
 
 #include "checks.hpp"
+#include "model.hpp"
 
 #include <functional>
 
 namespace hive::mixtures {
 
 /// fates: nothing is lost at a drone that was killed, or left, if no order or fault has killed it or ended its
-/// connection; and nothing is cut off unless somebody was frozen or not heard.
+/// connection; nothing is cut off unless somebody was frozen or not heard; and no event is given up without any of
+/// that.
 class Fates {
 public:
     /// Has the network ended a connection of these two as if one had died?
@@ -20,6 +22,7 @@ public:
 
     void before(const Step& step);
     [[nodiscard]] Problems look(const Statuses& statuses) const;
+    [[nodiscard]] std::optional<std::string> came(const Outcome& outcome) const;
 
 private:
     WasCut was_cut_;

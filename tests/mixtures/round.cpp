@@ -225,8 +225,9 @@ void Round::connect_all(const Step& step)
 void Round::listen()
 {
     for (const auto& outcome : ground_.outcomes())
-        if (auto problem = model_.came(outcome))
-            problems_.push_back(*problem);
+        for (auto& problem : {model_.came(outcome), fates_.came(outcome)})
+            if (problem)
+                problems_.push_back(*problem);
 }
 
 }  // namespace hive::mixtures

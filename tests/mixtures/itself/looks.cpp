@@ -260,6 +260,23 @@ TEST_CASE("fates: what is lost has the cause that is counted")
     CHECK(look_after(Fate::lost_killed, {}).empty());
 }
 
+TEST_CASE("fates: an event that is given up has a cause at its receiver")
+{
+    Fates oracle(
+        one_stage, [](auto&, auto&) { return false; }, false);
+    Outcome given_up{.failed = true, .sender = source, .text = "abandoned: given up after 1 attempt", .hops = {"a1"}};
+    CHECK(oracle.came(given_up));
+    given_up.text = "failed: the code threw";
+    CHECK_FALSE(oracle.came(given_up));
+    given_up.text = "abandoned: given up after 1 attempt";
+    oracle.before({.verb = Verb::stop, .drone = "a1"});
+    CHECK_FALSE(oracle.came(given_up));
+    given_up.hops = {"a2"};
+    CHECK(oracle.came(given_up));
+    given_up.hops = {source};  // of a group
+    CHECK_FALSE(oracle.came(given_up));
+}
+
 TEST_CASE("why: a reason that cannot be true is a problem when nothing moves")
 {
     const auto after = [](Reason why, auto change) {
