@@ -16,7 +16,8 @@ Problems unbalanced(const Statuses& statuses);
 /// @param born  numbers the starts of drones: an end that began later has counted less
 Problems disagreeing(const Statuses& statuses, const std::map<std::string, int>& born);
 /// Nothing is under way anywhere.
-bool idle(const Statuses& statuses);
+/// @param but_for_partners  not counting what a drone that joins has, if its partners may have been lost
+bool idle(const Statuses& statuses, bool but_for_partners = false);
 /// Is there a word for why this source stands still?
 bool says_why(const Status& status);
 /// Edges with events under way for which there is no word, when nothing moves. A receiver that does not answer may be

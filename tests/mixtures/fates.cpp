@@ -50,8 +50,8 @@ Problems Fates::look(const Statuses& statuses) const
 /// An exception of a group does not name its members.
 std::optional<std::string> Fates::came(const Outcome& outcome) const
 {
-    const auto has_cause = [this](const std::string& drone) {
-        return may_die_.contains(drone) || may_leave_.contains(drone);
+    const auto has_cause = [&](const std::string& drone) {
+        return may_die_.contains(drone) || may_leave_.contains(drone) || was_cut_(outcome.sender, drone);
     };
     auto named = outcome.hops;
     std::erase(named, outcome.sender);

@@ -132,7 +132,8 @@ Problems Round::settle(bool last)
             return problems;
         const bool answered = statuses.size() == ground_.answering().size();
         all.look(answered ? "those that answer:\n" + fingerprint(statuses) : "");
-        const bool done = answered && idle(statuses) && source_done(statuses) && (!last || whole(statuses, ""));
+        const bool done =
+            answered && idle(statuses, all.still()) && source_done(statuses) && (!last || whole(statuses, ""));
         // In order, a result that is late holds up others that are acknowledged.
         const bool over = done && (missing(statuses).empty() || (all.still() && !plan_.topology.ordered));
         if (over && told_end(statuses))

@@ -73,7 +73,9 @@ TEST_CASE("end: of a live source the last event comes before the end, whoever is
 TEST_CASE("end: behind workers that share, one of which is killed, everything comes and then the end")
 {
     const Swarm swarm;
-    const auto source = swarm.drone("ticker", "source", {"pace=demand", counted(60)});
+    const auto source =
+        swarm.drone("ticker", "source", {"pace=demand", counted(60)},
+                    {"--expect", "worker-1.image", "--expect", "worker-2.image", "--expect", "worker-3.image"});
     std::vector<Process> workers;
     for (int i = 1; i <= 3; ++i)
         workers.push_back(swarm.drone("sleeper", "worker-" + std::to_string(i), {"work_ms=10"}));

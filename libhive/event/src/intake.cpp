@@ -400,17 +400,15 @@ bool Intake::gone_for_good() const
 
 void Intake::look_at_others(const std::vector<std::shared_ptr<Intake>>& all)
 {
+    const auto has_another = [&](const std::string& group) {
+        return std::ranges::any_of(all, [&](const auto& other) {
+            return other->connected_ && other->spec_.sender != spec_.sender && other->spec_.output != "exceptions"
+                   && std::ranges::count(other->sender_groups_, group) > 0;
+        });
+    };
     replaced_ = replaced_
-                || (!connected_ && Clock::now() - lost_at_ >= others_work
-                    && std::ranges::any_of(all, [this](const auto& other) { return other->does_work_of(*this); }));
-}
-
-/// Is its sender connected, and a member of the same group as the one that is lost?
-bool Intake::does_work_of(const Intake& lost) const
-{
-    return connected_ && spec_.sender != lost.spec_.sender && spec_.output != "exceptions"
-           && std::ranges::any_of(sender_groups_,
-                                  [&](auto& group) { return std::ranges::count(lost.sender_groups_, group) > 0; });
+                || (!connected_ && Clock::now() - lost_at_ >= others_work && !sender_groups_.empty()
+                    && std::ranges::all_of(sender_groups_, has_another));
 }
 
 std::string Intake::lacks() const

@@ -140,6 +140,8 @@ std::int64_t Intake::note_share(Event& event)
     });
     if (before != shares.rend() && before->group())
         note_group(before->of);
+    else
+        sender_groups_.clear();  // nobody else does this work
     const bool lossless = event.identity.lossless;
     if (shares.empty())
         return progress_.receive(lossless, 0);

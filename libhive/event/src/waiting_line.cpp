@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <iterator>
 #include <tuple>
+#include <utility>
 
 namespace hive::event {
 
@@ -82,14 +83,14 @@ void WaitingLine::hear(const Event& event, TimePoint now)
     heard_at_ = now;
     Sender& sender = sender_of(event);
     sender.heard_at = now;
-    sender.silent = false;
+    const bool again = std::exchange(sender.silent, false);
     sender.shares = event.identity.shared_work() != nullptr;
     const auto place = place_of(event.identity);
     runs_->hear(sender.source, place.epoch, sender.shares ? 0 : sender.place.epoch);
-    if (!sender.shares || precedes(sender.source, sender.place, place))
+    if (!sender.shares || again || precedes(sender.source, sender.place, place))
         sender.place = place;
     const auto until =
-        sender.shares ? std::max(sender.captured_us, event.identity.captured_us) : event.identity.captured_us;
+        sender.shares && !again ? std::max(sender.captured_us, event.identity.captured_us) : event.identity.captured_us;
     for (auto& each : senders_)  // one time for all sources whose events come through one drone
         if (each.drone == event.sender && each.output == event.output)
             each.captured_us = until;

@@ -18,7 +18,7 @@ using service::Worker;
 
 namespace {
 
-/// More than a run has.
+/// More than the ends of a run; a drone that restarts at once is 1 s ahead of its clock.
 constexpr std::int64_t most_ends = 1 << 20;
 
 /// Converts values to texts, as on the command line.

@@ -103,4 +103,24 @@ TEST_CASE("matcher: when nothing more will come, the last pair is made at once a
     CHECK(c.held() == 0);
 }
 
+TEST_CASE("matcher: after a pause the time of workers that share may begin lower, if the clock was set back")
+{
+    Case c(Match::within(5ms));
+    const auto at = [](std::int64_t captured_us, const std::string& group) {
+        return Made{.group = group, .captured_us = captured_us};
+    };
+    c.give("image", {1}, at(1'000'000, ""));
+    c.give("marks", {1}, at(1'000'000, "workers"));
+    c.give("image", {2}, at(1'010'000, ""));
+    const auto before = c.matcher.counts().sets;
+    c.pass(2 * Matcher::timeout);
+    c.give("marks", {1}, at(10'000, "workers"));
+    c.give("image", {1}, at(10'000, ""));
+    c.give("image", {2}, at(20'000, ""));
+    c.give("marks", {2}, at(20'000, "workers"));
+    c.give("image", {3}, at(30'000, ""));
+    c.give("marks", {3}, at(30'000, "workers"));
+    CHECK(c.matcher.counts().sets >= before + 2);
+}
+
 }  // namespace hive::event

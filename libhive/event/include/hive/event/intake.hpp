@@ -101,7 +101,7 @@ public:
     [[nodiscard]] bool all_worked() const noexcept { return !progress_.works(); }
     /// Does the sender know, or is it not there, that this one is gone?
     [[nodiscard]] bool has_left() const noexcept { return stage_ == Stage::left; }
-    /// Notes whether another sender does the work of this one, which is lost. @param all  inputs with the same end
+    /// Notes whether other senders do the work of this one, which is lost. @param all  inputs with the same end
     void look_at_others(const std::vector<std::shared_ptr<Intake>>& all);
     /// May the end of the other inputs ignore this sender, because it is lost or stopped (SPEC.md, section 5.6)?
     [[nodiscard]] bool gone_for_good() const;
@@ -143,7 +143,6 @@ private:
     void forget_unfinished();
     void end_if_done();
     [[nodiscard]] bool refuses_now() const;
-    [[nodiscard]] bool does_work_of(const Intake& lost) const;
     void note_group(const std::string& group);
     void tell(const std::optional<protocol::Request>& news);
 
@@ -179,7 +178,7 @@ private:
     std::int64_t sender_epoch_ = 0;
     InputProgress progress_;
     std::deque<std::string> sender_groups_;  ///< of which the sender is a member, as its last events say
-    bool replaced_ = false;                  ///< the sender is lost, and another member of a group does its work
+    bool replaced_ = false;                  ///< the sender is lost, and other members of its groups do its work
     bool sender_leaves_ = false;             ///< it said that it is being stopped
     bool unacknowledged_ = false;            ///< what arrives is discarded, and the sender is not told
 

@@ -14,11 +14,12 @@
 
 namespace hive::event {
 
-/// The order of the runs of each source: by epoch, unless a sender that keeps the order of events shows that the clock
-/// was set back before a run.
+/// The order of the runs of each source: by epoch, unless a sender that keeps the order of events is the first to send
+/// one of a run, and so shows that the clock was set back before it.
 class Runs {
 public:
-    static constexpr std::size_t most = 64;  ///< of a source, and sources; others are ordered by epoch
+    static constexpr std::size_t most =
+        64;  ///< of a source, and sources; those that are forgotten come first, by epoch
 
     /// An event of this run has come. @param before  the run of its sender's event before that; 0: unknown, or the
     /// sender keeps no order

@@ -73,7 +73,7 @@ public:
     virtual void close(const hive::Error& reason) = 0;
     /// After the end: did the peer close it? Otherwise this end closed it or disconnected the peer.
     [[nodiscard]] virtual bool ended_by_peer() const = 0;
-    /// After the end: may the peer have disconnected this end, because it had heard nothing of it for long?
+    /// After the end: may the peer have disconnected this end, because the peer had heard nothing of this end for long?
     [[nodiscard]] virtual bool seemed_dead() const = 0;
     [[nodiscard]] virtual std::string peer() const = 0;
     /// Is the peer on this machine: connected over a unix socket, or at an address of this machine?
