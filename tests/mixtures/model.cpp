@@ -49,7 +49,7 @@ std::string joined(const std::vector<std::string>& names)
 }
 
 /// Without its peer, for at least so long.
-constexpr int place_kept_ms = 20'000;
+constexpr std::chrono::seconds place_kept(20);
 
 }  // namespace
 
@@ -87,7 +87,7 @@ Model::Model(const Topology& topology, std::int64_t collectors)
     excuse_each(topology_.bystanders);
 }
 
-void Model::before(const Step& step)
+void Model::before(const Step& step, Time now)
 {
     const auto was = condition_;
     condition_.follow(step);
@@ -111,26 +111,29 @@ void Model::before(const Step& step)
     for (const auto& edge : topology_.edges())
         if (was.connected(edge.sender, edge.receiver) && !condition_.connected(edge.sender, edge.receiver))
             left(edge.sender, edge.receiver, has_another(edge.sender, edge.receiver, false));
-    if (step.verb == Verb::part)
-        passes(step.number);
+    const auto parted = std::chrono::milliseconds(step.verb == Verb::part ? step.number : 0);
+    parted_ += parted;
+    if (parted_ > place_kept)
+        excuse("");
     if (step.settle)
-        parted_ms_ = 0;
+        parted_ = {};
+    note_dead(now, now + parted);
     if (step.verb == Verb::forget)
         left(step.sender, step.drone, has_another(step.sender, step.drone, true));
 }
 
-/// @param ms  in which a place may be given up
-void Model::passes(int ms)
+/// @param until  by then places may have been given up
+void Model::note_dead(Time now, Time until)
 {
-    parted_ms_ += ms;
-    if (parted_ms_ > place_kept_ms)
-        excuse("");
     for (const auto& [drone, life] : condition_.lives()) {
-        auto& away = away_ms_[drone];
-        away = condition_.runs(drone) ? 0 : away + ms;
-        if (away > place_kept_ms && topology_.is_bystander(drone))
+        if (condition_.runs(drone)) {
+            dead_since_.erase(drone);
+            continue;
+        }
+        const auto away = until - dead_since_.try_emplace(drone, now).first->second;
+        if (away > place_kept && topology_.is_bystander(drone))
             excuse(drone);
-        else if (away > place_kept_ms && topology_.is_worker(drone))
+        else if (away > place_kept && topology_.is_worker(drone))
             excuse(topology_.stages.at(topology_.stage_of(drone)).shared() ? "" : drone);
     }
 }
@@ -283,7 +286,17 @@ bool Model::may_come_beside(const Outcome& outcome) const
     return outcome.failed && outcome.text.starts_with("abandoned")
            && (cut_short_.contains(drone)
                || std::ranges::any_of(outcome.hops, [&](auto& hop) { return cut_short_.contains(hop); })
-               || (drone != source && topology_.stages[topology_.stage_of(drone)].shared()));
+               || (drone != source && topology_.stages[topology_.stage_of(drone)].shared())
+               || (outcome.text.ends_with(" attempts") && died_in_next_stage(drone)));
+}
+
+/// An exception of a group names no member.
+bool Model::died_in_next_stage(const std::string& drone) const
+{
+    const auto next = drone == source ? 0 : topology_.stage_of(drone) + 1;
+    return next < topology_.stages.size() && topology_.stages[next].shared()
+           && std::ranges::any_of(topology_.stages[next].drones,
+                                  [&](const auto& member) { return cut_short_.contains(member); });
 }
 
 std::optional<std::string> Model::came(const Outcome& outcome)

@@ -5,6 +5,7 @@
 
 #include <hive/event.hpp>
 
+#include <chrono>
 #include <limits>
 #include <optional>
 
@@ -28,8 +29,9 @@ public:
     /// @param collectors  of the results
     explicit Model(const Topology& topology, std::int64_t collectors = 1);
 
-    /// To be called before a step is done: an order may end what was promised.
-    void before(const Step& step);
+    using Time = std::chrono::steady_clock::time_point;
+    /// To be called before a step is done: an order, or the time that a drone has been dead, may end what was promised.
+    void before(const Step& step, Time now = {});
     /// What the drones were told to receive: sender and receiver.
     [[nodiscard]] const std::set<std::pair<std::string, std::string>>& wanted() const { return condition_.wanted(); }
     /// Those that have halted.
@@ -78,9 +80,10 @@ private:
     void excuse_plain(const Stage& stage);
     void excuse_receivers_of(const std::string& drone);
     void began_anew(const std::string& drone);
-    void passes(int ms);
+    void note_dead(Time now, Time until);
     /// Is it an exception that may come beside a result, see the first lines of model.cpp?
     [[nodiscard]] bool may_come_beside(const Outcome& outcome) const;
+    [[nodiscard]] bool died_in_next_stage(const std::string& drone) const;
     /// Nobody works for the sender any more what this receiver has not answered, or `another` does.
     void left(const std::string& sender, const std::string& receiver, bool another);
     [[nodiscard]] bool has_another(const std::string& sender, const std::string& receiver, bool running) const;
@@ -91,8 +94,8 @@ private:
     std::vector<Excuse> excuses_;
     bool began_anew_ = false;          ///< some drone did
     std::set<std::string> cut_short_;  ///< drones that may have given up events and not acknowledged them
-    std::map<std::string, int> away_ms_;
-    int parted_ms_ = 0;              ///< the machines, since everything was connected
+    std::map<std::string, Time> dead_since_;
+    std::chrono::milliseconds parted_{0};  ///< the machines, since everything was connected
     std::set<std::string> stopped_;  ///< drones that have forgotten what they were told, and for whom they worked
     std::set<std::pair<std::string, std::string>> alone_;  ///< sender, receiver: connected alone, whatever its stage is
     std::map<std::pair<std::int64_t, std::int64_t>, std::vector<Came>> came_;

@@ -76,7 +76,7 @@ Problems Round::wrongly_printed(const LastRun& run)
 Problems Round::one(const Step& step, bool last)
 {
     problems_.clear();
-    model_.before(step);
+    model_.before(step, ground_.now());
     fates_.before(step);
     try {
         perform(step);

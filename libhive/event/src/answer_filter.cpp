@@ -63,10 +63,9 @@ AnswerFilter::AnswerFilter() : off_(!defended("answer-filter")) {}
 
 bool AnswerFilter::first(const Event& event)
 {
-    const auto count = shares_behind(event);
-    if (count == 0 || off_)
+    if (event.identity.shares.empty() || off_)
         return true;
-    auto found = named(event, count);
+    auto found = named(event, std::max<std::size_t>(shares_behind(event), 1));
     auto& key = found.first;
     auto& answer = found.second;
     const auto known = answers_.find(key);

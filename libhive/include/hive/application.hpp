@@ -114,7 +114,7 @@ struct CollectOptions {
 /// Counters of a collector.
 struct CollectCounts {
     std::int64_t received = 0;    ///< results returned
-    std::int64_t duplicates = 0;  ///< duplicate results of shared work, discarded
+    std::int64_t duplicates = 0;  ///< events and results that came before, discarded
     std::int64_t missing = 0;     ///< turns of shared work whose result never arrived (ordered)
     std::map<std::string, std::vector<std::int64_t>> missing_turns;  ///< the first of them, by "sender.output#group"
     std::int64_t failed = 0;                                         ///< reported as exceptions instead

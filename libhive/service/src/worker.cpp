@@ -132,7 +132,7 @@ try {
     parts_.reporter.report(current_error());
 }
 
-/// Rejects duplicate results here and not on arrival, because an event that is discarded in the queue is not an answer.
+/// Rejects duplicates here and not on arrival, because an event that is discarded in the queue has not been processed.
 void Worker::deliver(Event&& event)
 {
     if (!filters_[event.input].first(event))

@@ -113,7 +113,7 @@ struct InputStatus {
     std::int64_t received = 0;
     std::int64_t processed = 0;   ///< processed by the drone's code
     std::int64_t abandoned = 0;   ///< the drone's code threw
-    std::int64_t duplicates = 0;  ///< duplicate results, rejected
+    std::int64_t duplicates = 0;  ///< events and results that came before, rejected
     std::int64_t discarded = 0;   ///< not started when the drone halted, resumed or left; shared work was requeued
     std::int64_t dropped = 0;     ///< the drone's queue was full
     std::int64_t unmatched = 0;   ///< without a partner at the other inputs

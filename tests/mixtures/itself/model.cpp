@@ -99,13 +99,24 @@ TEST_CASE("mixtures: a kill, a halt and leaving a group are no excuse")
     CHECK(model.excused() == std::vector<std::string>{"a1"});
 }
 
-TEST_CASE("mixtures: two parts of the machines are one if nobody could reconnect in between")
+TEST_CASE("mixtures: the machines are parted twice, and the times add up if nobody could reconnect in between")
 {
     for (const bool checked : {false, true}) {
         auto model = begun({plain({"a1"})});
         model.before({.verb = Verb::part, .number = 15'000, .settle = checked});
         model.before({.verb = Verb::part, .number = 15'000});
         CHECK(model.excused() == (checked ? std::vector<std::string>{} : std::vector<std::string>{""}));
+    }
+}
+
+TEST_CASE("mixtures: a place may be given up when its drone has been dead for 20 s")
+{
+    const auto after = [](int seconds) { return Model::Time(std::chrono::seconds(seconds)); };
+    for (const int seconds : {20, 21}) {
+        auto model = begun({plain({"a1"})});
+        model.before({.verb = Verb::kill, .drone = "a1"}, after(0));
+        model.before({.verb = Verb::feed}, after(seconds));
+        CHECK(model.excused() == (seconds == 20 ? std::vector<std::string>{} : std::vector<std::string>{"a1"}));
     }
 }
 

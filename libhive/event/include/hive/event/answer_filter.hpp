@@ -1,4 +1,4 @@
-// Rejects duplicate results: work that was dispatched again may be answered once for each attempt.
+// Rejects duplicates: an event that came again, and the results of work that was dispatched again.
 #pragma once
 
 #include <hive/event.hpp>
@@ -11,17 +11,17 @@
 
 namespace hive::event {
 
-/// Filters the events of one input. The first answer to a piece of work is accepted; its repetition, and the result of
-/// another attempt, is rejected, unless it comes from a receiver that answers for itself and has not answered yet. Pure
-/// logic, for one thread.
+/// Filters the events of one input. An event of the source is accepted once. Of the answers to a piece of work the first
+/// one is accepted; its repetition, and the result of another attempt, is rejected, unless it comes from a receiver that
+/// answers for itself and has not answered yet. Pure logic, for one thread.
 class AnswerFilter {
 public:
     static constexpr std::size_t remembered = 65536;
     static constexpr std::size_t remembered_bytes = 16u << 20;  ///< of the keys of works and answers
 
     AnswerFilter();
-    /// Is this event to be accepted? Always true without a numbered piece of work. A rejected lossless event is
-    /// acknowledged no sooner than the answer that it repeats, which this process may still lose.
+    /// Is this event to be accepted? Always true if it has no shares. A rejected lossless event is acknowledged no
+    /// sooner than the one that it repeats, which this process may still lose.
     bool first(const Event& event);
 
 private:

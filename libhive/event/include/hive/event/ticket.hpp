@@ -19,7 +19,7 @@ class Loop;
 enum class Ending {
     processed,
     abandoned,  ///< the user's code threw
-    duplicate,  ///< a duplicate result
+    duplicate,  ///< it came before, or another answer to the same work did
     discarded,  ///< not started
     dropped,    ///< the queue was full
     unmatched,  ///< without a partner
