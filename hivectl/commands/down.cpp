@@ -11,10 +11,14 @@ namespace {
 
 using namespace std::chrono_literals;
 
-std::vector<hive::SwarmPlan> plans_meant(const SwarmInput& input, hive::Application& application)
+/// @param code  what is returned if some of the swarms cannot be stopped
+std::vector<hive::SwarmPlan> plans_meant(const SwarmInput& input, hive::Application& application, int& code)
 {
     if (input.file.empty())
-        return hive::Swarm::remembered(application);
+        return hive::Swarm::remembered(application, [&](const hive::Error& error) {
+            complain_about("down", error);
+            code = exit_code::partly_done;
+        });
     if (auto plan = read_plan("down", input))
         return {*std::move(plan)};
     return {};
@@ -23,12 +27,12 @@ std::vector<hive::SwarmPlan> plans_meant(const SwarmInput& input, hive::Applicat
 int run(const SwarmInput& input, Session& session)
 {
     auto& application = session.application();
-    const auto plans = plans_meant(input, application);
+    int code = exit_code::done;
+    const auto plans = plans_meant(input, application, code);
     if (plans.empty() && !input.file.empty())
         return exit_code::refused;
-    if (plans.empty())
+    if (plans.empty() && code == exit_code::done)
         complain("down", "no swarm was brought up here");
-    int code = exit_code::done;
     for (const auto& plan : plans) {
         if (interrupt::requested()) {
             complain("down", plan.name + " was left as it is");

@@ -22,11 +22,12 @@ struct Options {
 };
 
 /// The drones of the swarm with that name, or all running ones.
-std::vector<std::string> drones_meant(const Options& options, hive::Application& application, Outcome& outcome)
+std::vector<std::string> drones_meant(const Options& options, const std::vector<hive::SwarmPlan>& plans,
+                                      hive::Application& application, Outcome& outcome)
 {
     if (!options.names.empty())
         return drones_named(application, options.names, outcome);
-    for (const auto& plan : hive::Swarm::remembered(application))
+    for (const auto& plan : plans)
         if (plan.name == options.swarm) {
             std::vector<std::string> names;
             for (const auto& drone : plan.drones)
@@ -36,18 +37,15 @@ std::vector<std::string> drones_meant(const Options& options, hive::Application&
     return application.drones();
 }
 
-/// The only swarm that was brought up from here, if there is exactly one.
-std::string only_swarm(hive::Application& application)
-{
-    const auto plans = hive::Swarm::remembered(application);
-    return plans.size() == 1 ? plans.front().name : "swarm";
-}
-
 hive::SwarmPlan running_plan(const Options& options, Session& session, Outcome& outcome)
 {
     auto& application = session.application();
-    const auto names = drones_meant(options, application, outcome);
-    const auto name = options.swarm.empty() ? only_swarm(application) : options.swarm;
+    // A plan that cannot be read does not keep others from being exported.
+    const auto plans = hive::Swarm::remembered(
+        application, [](const hive::Error& error) { complain_about("export", error); });
+    const auto names = drones_meant(options, plans, application, outcome);
+    const auto only = plans.size() == 1 ? plans.front().name : "swarm";
+    const auto name = options.swarm.empty() ? only : options.swarm;
     return hive::Swarm::running(application, name, names);
 }
 

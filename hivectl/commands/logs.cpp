@@ -85,7 +85,8 @@ int follow(const std::filesystem::path& file, std::streamoff from, const Options
 /// The output of a Slurm step arrives on the machine that started it.
 bool is_step(hive::Application& application, const std::string& drone)
 {
-    return std::ranges::any_of(hive::Swarm::remembered(application), [&](const hive::SwarmPlan& plan) {
+    const auto ignore = [](const hive::Error&) {};
+    return std::ranges::any_of(hive::Swarm::remembered(application, ignore), [&](const hive::SwarmPlan& plan) {
         const auto* const found = plan.drone(drone);
         return found && plan.engine_of(found->host).name == "slurm";
     });

@@ -27,7 +27,7 @@ void print(const std::vector<hive::SwarmStep>& steps, bool json)
 /// Supervises until Ctrl-C, which is the normal end.
 void stay(hive::Swarm& swarm)
 {
-    swarm.stay([](const std::string& text) { complain("up", printable(text)); },
+    swarm.stay([](const std::string& text) { complain_in_lines("up", text); },
                {.on_progress = {}, .cancelled = interrupt::requested});
 }
 
@@ -53,9 +53,10 @@ int run(const Options& options, Session& session)
         complain("up", outcome.remains.empty()
                            ? plan->name + " is unchanged, because:"
                            : plan->name + " was not brought up and could not be rolled back completely:");
-    const bool all_done = outcome.failures.empty() && outcome.remains.empty();  // even if Ctrl-C was pressed afterwards
+    const bool all_done = outcome.failures.empty() && outcome.remains.empty()
+                          && outcome.silent.empty();  // even if Ctrl-C was pressed afterwards
     const int code = all_done ? exit_code::done : complain_about("up", outcome);
-    if (!options.stay || code != exit_code::done)
+    if (!options.stay || (code != exit_code::done && code != exit_code::partly_done))
         return code;
     stay(swarm);
     return exit_code::done;
@@ -86,7 +87,8 @@ Verb verb()
             "new process can have the change; what an earlier file of this swarm had and this one lacks is stopped, or "
             "reset to its default. A drone that another swarm or a user started is connected and otherwise left alone, "
             "unless it has \"change_if_shared\" in the file; stderr names it. So a second up does nothing. It is all "
-            "or nothing: if a drone does not start or refuses a value, or on Ctrl-C, all changes are rolled back. Of "
+            "or nothing: if a drone does not start or refuses a value, or on Ctrl-C, all changes are rolled back. A drone of "
+            "this machine that hangs does not hold up the others: it is left as it is, and the exit code is 8. Of "
             "failures that differ only in names and numbers, stderr has the first 20; with --json all. The "
             "format is in libhive/docs/swarm-file.md; hivectl check checks a file without starting anything.",
         .examples = "hivectl up doorway.json\n"

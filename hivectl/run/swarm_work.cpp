@@ -32,11 +32,12 @@ int complain_about(std::string_view verb, const hive::SwarmOutcome& outcome)
     for (auto& [drone, error] : remains)
         error = error.reworded(subject + error.what());
     complain_about(verb, remains);
+    complain_about(verb, outcome.silent);
     if (interrupt::requested())
         return interrupt::exit_code();
     if (!outcome.failures.empty())
         return exit_code::refused;
-    return outcome.remains.empty() ? exit_code::done : exit_code::partly_done;
+    return outcome.remains.empty() && outcome.silent.empty() ? exit_code::done : exit_code::partly_done;
 }
 
 }  // namespace hivectl

@@ -6,7 +6,6 @@
 #include <hive/failure.hpp>
 #include <hive/program.hpp>
 
-#include <sstream>
 
 namespace hivectl {
 namespace {
@@ -83,11 +82,7 @@ void complain_about(std::string_view verb, const hive::Error& error, std::string
     const auto before = text.find(subject) == std::string_view::npos ? std::string(subject) + ": " : "";
     if (text.find('\n') == std::string_view::npos)
         return complain(verb, printable(before) + explained(error, subject));
-    // The text may include the last lines of a log.
-    std::istringstream lines(before + error.what() + (error.advice().empty() ? "" : "\n" + error.advice()));
-    std::string indent;
-    for (std::string line; std::getline(lines, line); indent = "  ")
-        complain(verb, indent + printable(line));
+    complain_in_lines(verb, before + error.what() + (error.advice().empty() ? "" : "\n" + error.advice()));
 }
 
 int fail(std::string_view verb, hive::Errc code, const std::string& sentence, std::string_view subject)

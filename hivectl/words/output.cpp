@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <cstring>
 #include <optional>
+#include <sstream>
 #include <unistd.h>
 
 namespace hivectl {
@@ -45,6 +46,14 @@ void write_out(std::string_view text)
 void complain(std::string_view verb, std::string_view text)
 {
     write_error("hivectl" + (verb.empty() ? "" : " " + std::string(verb)) + ": " + std::string(text) + "\n");
+}
+
+void complain_in_lines(std::string_view verb, const std::string& text)
+{
+    std::istringstream lines(text);
+    std::string indent;
+    for (std::string line; std::getline(lines, line); indent = "  ")
+        complain(verb, indent + printable(line));
 }
 
 void write_error(std::string_view text)

@@ -16,6 +16,8 @@ void write_out(std::string_view text);
 void write_error(std::string_view text);
 /// One line on stderr: "hivectl VERB: text".
 void complain(std::string_view verb, std::string_view text);
+/// The same for each line of a text, which may include the last lines of a log.
+void complain_in_lines(std::string_view verb, const std::string& text);
 /// Is stdout a terminal?
 bool on_terminal();
 

@@ -95,6 +95,20 @@ TEST_CASE("owners: down of a file that was refused, or whose drones were started
     CHECK(has_processes(swarm, 1));
 }
 
+TEST_CASE("owners: a record that cannot be read keeps no other swarm from being exported and stopped")
+{
+    const Swarm swarm;
+    const File file(swarm, workers_file(1));
+    steps(swarm, file);
+    std::ofstream(swarm.home() / "broken.swarm") << '{';
+    for (const std::string verb : {"export", "down"}) {
+        const auto done = swarm.hivectl({verb});
+        CHECK(done.exit_code == (verb == "export" ? 0 : 8));
+        CHECK(has(done.err, "broken.swarm remembers cannot be read"));
+    }
+    CHECK(has_processes(swarm, 0));
+}
+
 TEST_CASE("owners: a drone stays with its swarm when it crashes and is started by hand, and when it is replaced")
 {
     const Swarm swarm;

@@ -37,6 +37,32 @@ TEST_CASE("up: starts, sets and connects what the file says, and a second up fin
     CHECK(swarm.hivectl_done({"down", file}).empty());
 }
 
+TEST_CASE("up: a drone that hangs does not hold up the others, is left as it is, and named")
+{
+    const Swarm swarm;
+    auto content = workers_file(2);
+    const File file(swarm, content);
+    steps(swarm, file);
+    const auto pid = static_cast<pid_t>(hive::event::Home(swarm.home()).holder("worker-1"));
+    ::kill(pid, SIGSTOP);
+    content["drones"]["worker"]["count"] = 3;
+    content["drones"]["worker"]["set"]["work_ms"] = 2;
+    file.write(content);
+    for (const auto& words : {std::vector<std::string>{"up", file, "--dry-run"}, {"up", file}}) {
+        const auto result = swarm.hivectl(words);
+        const bool dry_run = words.size() == 3;
+        CHECK(result.exit_code == (dry_run ? 0 : 8));
+        CHECK(has(result.err, "worker-1 does not answer, so it is left as it is"));
+        CHECK(has(result.out, "start worker-3"));
+        CHECK(has(result.out, "set worker-2 work_ms=2"));
+        CHECK_FALSE(has(result.out, "worker-1"));
+    }
+    CHECK(swarm.hivectl_done({"get", "worker-3", "work_ms"}) == "2\n");
+    ::kill(pid, SIGCONT);
+    CHECK(steps(swarm, file) == std::vector<std::string>{"set worker-1 work_ms=2"});
+    CHECK(edges(swarm) == 6);
+}
+
 TEST_CASE("up: a drone receives from more senders than it accepts requests at once")
 {
     const Swarm swarm;

@@ -36,6 +36,7 @@ struct SwarmOutcome {
     std::vector<SwarmStep> steps;        ///< done; after a failure, those that would have been
     std::vector<SwarmFailure> failures;  ///< empty: all is done
     std::vector<SwarmFailure> remains;   ///< what could not be undone; without failures, what could not be stopped
+    std::vector<SwarmFailure> silent{};  ///< drones of this machine that hang: up() left them and their connections
 };
 
 /// How the caller follows and cancels long work.
@@ -55,13 +56,13 @@ public:
     Swarm(Application& application, SwarmPlan plan);
 
     /// What up() would do now. Throws Errc::name_taken if a name of the plan belongs to a drone of another kind or
-    /// machine, unless this swarm had that drone before; Errc::unreachable if the state of a drone cannot be queried;
+    /// machine, unless this swarm had that drone before; Errc::unreachable if a drone refuses to report its state;
     /// Errc::refused if an engine cannot start a drone from here.
-    /// @param watch  is notified of each drone that is used unchanged, see up()
+    /// @param watch  is notified of each drone that is used unchanged, see up(), or that hangs
     std::vector<SwarmStep> differences(const SwarmWatch& watch = {});
     /// Starts missing drones and waits until they answer, restarts drones if only a new process can match the plan,
     /// then changes, sets, connects, disconnects and stops what differs: all or (after a failure, or when cancelled)
-    /// nothing. A second call changes nothing. A drone of the plan that this swarm did not bring up is connected, and
+    /// nothing. A second call changes nothing. A drone that hangs does not hold up the others: it is in `silent`. A drone of the plan that this swarm did not bring up is connected, and
     /// otherwise unchanged unless the plan has `change_if_shared`. One process at a time changes a swarm: others wait,
     /// and throw Errc::locked after `timeout`.
     /// @param timeout  for the right to change the swarm, and then for all drones to be ready
@@ -81,7 +82,9 @@ public:
 
     [[nodiscard]] const SwarmPlan& plan() const noexcept { return plan_; }
     /// The swarms that were brought up from this home: the plan of each.
-    static std::vector<SwarmPlan> remembered(Application& application);
+    /// @param unreadable  gets the error of each plan that cannot be read; without it, that is thrown
+    static std::vector<SwarmPlan> remembered(Application& application,
+                                             const std::function<void(const Error&)>& unreadable = {});
     /// The running swarm as a plan. `up` with this plan changes nothing here, and recreates the swarm elsewhere.
     /// @param drones  only these; their connections from others are omitted
     static SwarmPlan running(Application& application, const std::string& name, const std::vector<std::string>& drones);

@@ -52,7 +52,7 @@ struct Mistake {
 struct SwarmContext {
     std::optional<std::filesystem::path> folder{};   ///< of the file; without it, the file cannot include others
     std::map<std::string, std::string> variables{};  ///< values for the file's variables
-    /// Missing keys of this machine's drones are errors, and so are addresses to listen at that it does not have.
+    /// Missing keys of this machine are errors, and so are addresses to listen at that it does not have.
     bool to_be_started = false;
 };
 

@@ -148,8 +148,10 @@ Started replace(Application& application, StartOptions options)
     const auto place = application.place(order.name);
     if (!is_here(place) && place.ssh.empty())
         throw Error(Errc::refused,
-                    place.drone + " at " + place.address + " was not started through ssh, so it is replaced there",
-                    "do it there: hivectl replace " + place.drone);
+                    place.drone + " at " + place.address
+                        + " was not started through ssh, so only hivectl on its own machine can replace it",
+                    "there: hivectl replace " + place.drone
+                        + ", or, if a swarm file has it, change the file, and: hivectl up FILE");
     std::int64_t killed = 0;
     if (order.force && is_here(place)) {
         const event::Home home(application.home());

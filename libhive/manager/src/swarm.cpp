@@ -138,15 +138,20 @@ std::string to_text(const SwarmStep& step)
 
 Swarm::Swarm(Application& application, SwarmPlan plan) : application_(application), plan_(std::move(plan)) {}
 
-std::vector<SwarmPlan> Swarm::remembered(Application& application) { return swarm::Record::all(application.home()); }
+std::vector<SwarmPlan> Swarm::remembered(Application& application, const std::function<void(const Error&)>& unreadable)
+{
+    return swarm::Record::all(application.home(), unreadable);
+}
 
 std::vector<SwarmStep> Swarm::differences(const SwarmWatch& watch)
 {
-    auto steps =
-        swarm::differences(application_, plan_, swarm::Record(application_.home(), plan_.name).read(), watch.told)
-            .steps;
-    require_engines(application_, plan_, steps);
-    return steps;
+    const auto differences =
+        swarm::differences(application_, plan_, swarm::Record(application_.home(), plan_.name).read(), watch.told);
+    for (const auto& [drone, error] : differences.silent)
+        if (watch.told)
+            watch.told(error.what());
+    require_engines(application_, plan_, differences.steps);
+    return differences.steps;
 }
 
 SwarmOutcome Swarm::up(std::chrono::milliseconds timeout, const SwarmWatch& watch)
@@ -157,7 +162,8 @@ SwarmOutcome Swarm::up(std::chrono::milliseconds timeout, const SwarmWatch& watc
     const swarm::Record record(application_.home(), plan_.name);
     const auto before = record.read();
     const auto differences = swarm::differences(application_, plan_, before, watch.told);
-    SwarmOutcome outcome{.steps = differences.steps, .failures = {}, .remains = {}};
+    SwarmOutcome outcome{
+        .steps = differences.steps, .failures = {}, .remains = {}, .silent = differences.silent};
     record.write(swarm::with_rest_of(plan_, before));  // if killed here, the next process finds what to clean up
     swarm::Starting starting(application_, plan_);
     swarm::Restarting restarting(application_, differences);
@@ -183,7 +189,7 @@ SwarmOutcome Swarm::up(std::chrono::milliseconds timeout, const SwarmWatch& watc
     } else {
         outcome.remains = swarm::failures_in(application_.stop(drones_of(outcome.steps, What::stop), plan_.name));
     }
-    if (!outcome.remains.empty())
+    if (!outcome.remains.empty() || !outcome.silent.empty())
         return outcome;
     const auto& now = outcome.failures.empty() ? plan_ : before;
     is_empty(now) ? record.forget() : record.write(now);

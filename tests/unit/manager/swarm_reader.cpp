@@ -248,6 +248,10 @@ TEST_CASE("swarm file: what a drone that cannot be read was called is not missed
     CHECK_EQ(mistakes(with("\"a\": {\"kind\": \"k\"}, \"b\": {\"kind\": \"k\", \"count\": 0}",
                            "\"connections\": [{\"from\": \"a\", \"to\": \"b-1\"}]")),
              "2:49: \"count\" must be a whole number from 1 to 1000, not 0\n");
+    CHECK_EQ(mistakes(with("\"a\": {\"kind\": \"k\"}, \"b\": {\"kind\": \"k\", \"count\": 0}",
+                           "\"connections\": [{\"from\": \"a\", \"to\": [\"b\", \"b-*\", \"b-1.in\", \"blue\"]}]")),
+             "2:49: \"count\" must be a whole number from 1 to 1000, not 0\n"
+             "4:60: there is no drone \"blue\" in this file\n");
 }
 
 TEST_CASE("swarm file: the same connection twice")
@@ -382,7 +386,14 @@ TEST_CASE("swarm file: a missing key file is found where a drone names it or nee
              "2:35: anyone could control the drone through this port, and there is no swarm key at /nowhere/swarm.key; "
                  + get + "/nowhere/swarm.key; or, on a network that you trust wholly, add \"insecure\": true\n");
     CHECK_EQ(drone(", \"listen\": \"tcp://0.0.0.0\", \"insecure\": true"), "");
-    CHECK_EQ(drone(", \"listen\": \"tcp://0.0.0.0\", \"on\": \"m1\""), "");
+    for (const std::string more : {"", ", \"listen\": \"tcp://0.0.0.0\""}) {
+        CHECK_EQ(drone(more + ", \"on\": \"m1\""),
+                 "2:" + std::to_string(31 + more.size())
+                     + ": drones of other machines require the swarm's key, and there is no swarm key at "
+                       "/nowhere/swarm.key; "
+                     + get + "/nowhere/swarm.key\n");
+        CHECK_EQ(drone(more + ", \"on\": \"m1\", \"insecure\": true"), "");
+    }
     unsetenv("HIVE_KEY");
 }
 

@@ -211,6 +211,8 @@ std::vector<std::string> names_of(const SwarmPlan& plan, const SwarmPlan& before
 void add_connections(std::vector<SwarmStep>& steps, const SwarmPlan& plan, const Present& present)
 {
     for (const auto& planned : plan.connections) {
+        if (present.silent().contains(planned.from.drone) || present.silent().contains(planned.to.drone))
+            continue;
         const auto* made = present.connection(planned);
         const auto& receiver = planned.to.drone;
         if (made
@@ -246,6 +248,12 @@ void add_ends(Differences& all, const SwarmPlan& plan, const SwarmPlan& before, 
             all.steps.push_back({.what = SwarmStep::What::stop, .drone = old.name});
 }
 
+Error left_as_it_is(const std::string& drone)
+{
+    return {Errc::timeout, drone + " does not answer, so it is left as it is",
+            "to kill it and start it again: hivectl replace " + drone + " --force"};
+}
+
 /// Reports which drones of other swarms are used, and what is left unchanged in them.
 void tell_shared(const std::vector<SwarmStep>& left, const SwarmPlan& plan, const Present& present,
                  const std::function<void(const std::string& text)>& told)
@@ -275,8 +283,10 @@ Differences differences(Application& application, const SwarmPlan& plan, const S
     all.ran.drones.clear();
     all.ran.connections.clear();
     std::ranges::copy(plan.engines, std::back_inserter(all.ran.engines));
+    for (const auto& drone : present.silent())
+        all.silent.push_back({drone, left_as_it_is(drone)});
     for (const auto& drone : plan.drones)
-        if (!present.find(drone.name))
+        if (!present.find(drone.name) && !present.silent().contains(drone.name))
             all.steps.push_back({.what = SwarmStep::What::start, .drone = drone.name});
     tell_shared(RunningDrones(application, plan, before, present).add_to(all), plan, present, told);
     add_connections(all.steps, plan, present);

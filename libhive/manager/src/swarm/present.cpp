@@ -33,6 +33,8 @@ Present::Present(Application& application, const std::vector<std::string>& drone
                 answers_.emplace(answer.drone, std::move(answer));
             else if (answer.error->code() == Errc::unreachable && is_here(answer.place) && event::Clock::now() < end)
                 begun.push_back(answer.drone);
+            else if (answer.error->code() == Errc::timeout && is_here(answer.place))
+                silent_.insert(answer.drone);
             else if (answer.error->code() != Errc::not_found && is_here(answer.place))
                 throw *answer.error;
         asked = std::move(begun);

@@ -4,6 +4,7 @@
 #include <hive/swarm.hpp>
 
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -12,13 +13,14 @@ namespace hive::swarm {
 /// The statuses of some drones at one time.
 class Present {
 public:
-    /// Queries all at once. Throws the error of a drone of this machine that runs but does not return its status. A
-    /// drone elsewhere that does not answer has only its place: it counts as not running until its engine reports
-    /// otherwise.
+    /// Queries all at once. Throws the error of a drone of this machine that answers with one. A drone elsewhere that
+    /// does not answer has only its place: it counts as not running until its engine reports otherwise.
     Present(Application& application, const std::vector<std::string>& drones);
 
-    /// Null: not running.
+    /// Null: not running, or silent.
     [[nodiscard]] const StatusAnswer* find(const std::string& drone) const;
+    /// The drones of this machine that run and do not answer.
+    [[nodiscard]] const std::set<std::string>& silent() const noexcept { return silent_; }
     /// The connection of an input from an output, if there is one; an empty port stands for any.
     [[nodiscard]] const InputStatus* connection(const SwarmConnection& connection) const;
     /// Those from or to this drone, if their receivers were queried.
@@ -26,6 +28,7 @@ public:
 
 private:
     std::map<std::string, StatusAnswer> answers_;
+    std::set<std::string> silent_;
 };
 
 /// Do both connect the same output to the same input?

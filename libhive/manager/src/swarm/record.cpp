@@ -66,13 +66,19 @@ void Record::forget() const noexcept
     fs::remove(file_, ignored);
 }
 
-std::vector<SwarmPlan> Record::all(const fs::path& home)
+std::vector<SwarmPlan> Record::all(const fs::path& home, const std::function<void(const Error&)>& unreadable)
 {
     std::vector<SwarmPlan> plans;
     std::error_code ignored;
     for (const auto& entry : fs::directory_iterator(home, ignored))
         if (entry.path().extension() == ending)
-            plans.push_back(read_plan(entry.path()));
+            try {
+                plans.push_back(read_plan(entry.path()));
+            } catch (const Error& error) {
+                if (!unreadable)
+                    throw;
+                unreadable(error);
+            }
     std::ranges::sort(plans, {}, &SwarmPlan::name);
     return plans;
 }

@@ -4,6 +4,7 @@
 #include <hive/swarm_plan.hpp>
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -22,7 +23,9 @@ public:
     void forget() const noexcept;
 
     /// The records of all swarms of a home, by name.
-    static std::vector<SwarmPlan> all(const std::filesystem::path& home);
+    /// @param unreadable  gets the error of each that cannot be read; without it, that is thrown
+    static std::vector<SwarmPlan> all(const std::filesystem::path& home,
+                                      const std::function<void(const Error&)>& unreadable);
 
 private:
     std::string swarm_;

@@ -265,8 +265,11 @@ void Staying::settle()
     std::erase_if(unsettled_, [&](const std::string& drone) { return !is_up(drone); });
     settle_at_ = Clock::now() + 1s;
     Changes changes(application_);
-    std::set<std::string> unsettled;
-    for (const auto& step : differences(application_, *plan_, *plan_).steps) {
+    const auto all = differences(application_, *plan_, *plan_);
+    for (const auto& silent : all.silent)
+        log_problem(silent.error.what());
+    std::set<std::string> unsettled = all.silent.empty() ? std::set<std::string>() : unsettled_;
+    for (const auto& step : all.steps) {
         if ((step.what != SwarmStep::What::set && step.what != SwarmStep::What::connect)
             || !unsettled_.contains(step.drone))
             continue;

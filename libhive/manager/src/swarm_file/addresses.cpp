@@ -25,6 +25,19 @@ try {
     return error;
 }
 
+/// The error in the key that this machine needs for drones of others.
+std::optional<Error> problem_of_own_key()
+try {
+    const auto file = default_key_file();
+    if (file.empty())
+        throw Error(Errc::not_permitted, "there is no swarm key", "make one: hivectl key new");
+    require_members(read_key_file(file), file);
+    return std::nullopt;
+} catch (const Error& error) {
+    return Error(error.code(), std::string("drones of other machines require the swarm's key, and ") + error.what(),
+                 error.advice());
+}
+
 }  // namespace
 
 void Reader::read_addresses(Members& members, Entry& entry)
@@ -129,6 +142,10 @@ void Reader::check_keys()
         if (const auto& problem = problems.at(told))
             mistakes_.at_value(entry.value.member(told.empty() ? "listen" : "key", *place), *problem);
     }
+    const auto found = std::ranges::find_if(
+        read_entries_, [&](const Entry& entry) { return !entry.drone.insecure && starts_elsewhere(entry); });
+    if (const auto problem = found == read_entries_.end() ? std::nullopt : problem_of_own_key())
+        mistakes_.at_value(found->value.member("on", *found->value.place->member("on")), *problem);
 }
 
 }  // namespace hive::swarm_file

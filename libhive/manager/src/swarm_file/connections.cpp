@@ -108,14 +108,22 @@ std::vector<Endpoint> Reader::ends_like(const std::string& glob, const Value& va
     auto found = all_like(glob, "");
     if (const auto end = parse_endpoint(glob); found.empty() && is_name(end.port))
         found = all_like(end.drone, end.port);
-    if (found.empty() && !names_unclear_)
+    if (found.empty() && !all_unclear_ && unclear_.empty())
         mistakes_.at_value(value, "no drone of this file fits " + in_quotes(glob));
     return found;
 }
 
+/// May it be a drone of an entry that could not be read?
+bool Reader::is_unclear(const std::string& text) const
+{
+    return all_unclear_ || std::ranges::any_of(unclear_, [&](const std::string& name) {
+               return text.starts_with(name) && (text.size() == name.size() || text.find_first_of("-.", name.size()) == name.size());
+           });
+}
+
 void Reader::no_drone(const std::string& text, const Value& value)
 {
-    if (names_unclear_)
+    if (is_unclear(text))
         return;
     if (counted_.contains(text))
         return mistakes_.at_value(value, text + " has a count, so no drone is called just " + text,

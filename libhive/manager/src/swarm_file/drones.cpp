@@ -30,7 +30,7 @@ std::span<const std::string_view> drone_keys()
 void Reader::read_drones(const Value& drones)
 {
     if (!require_object(mistakes_, drones)) {
-        names_unclear_ = true;
+        all_unclear_ = true;
         return;
     }
     for (const auto& [name, place] : drones.place->members)
@@ -38,7 +38,7 @@ void Reader::read_drones(const Value& drones)
             expand(*entry);
             read_entries_.push_back(*entry);
         } else {
-            names_unclear_ = true;
+            unclear_.insert(name);
         }
 }
 

@@ -13,7 +13,7 @@ namespace hive::swarm_file {
 void Reader::read_engine(const std::string& glob, const Value& value)
 {
     const auto fits = [&](const SwarmDrone& drone) { return matches_glob(glob, drone.host); };
-    if (!names_unclear_ && std::ranges::none_of(plan_.drones, fits))
+    if (!all_unclear_ && unclear_.empty() && std::ranges::none_of(plan_.drones, fits))
         mistakes_.at_key(value, misspelt("no drone in this file is on a host matching " + in_quotes(glob), glob,
                                          plan_.drones, &SwarmDrone::host));
     if (interface_of_)

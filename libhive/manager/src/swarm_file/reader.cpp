@@ -11,7 +11,7 @@ namespace hive {
 namespace swarm_file {
 void Reader::read(const Value& file, bool complete)
 {
-    names_unclear_ = !complete;
+    all_unclear_ = !complete;
     Members members(mistakes_, file, "a swarm file", file_keys);
     if (const auto value = members.require("swarm"))
         if (const auto name = text_of(mistakes_, *value)) {
@@ -54,6 +54,14 @@ const Interface* Reader::interface(const std::string& kind)
             found = interfaces_.emplace(kind, error).first;
         }
     return std::get_if<Interface>(&found->second);
+}
+
+bool Reader::starts_elsewhere(const Entry& entry) const
+{
+    return std::ranges::any_of(entry.hosts, [&](const std::string& host) {
+        const auto engine = plan_.engine_of(host).name;
+        return engine == "ssh" || engine == "slurm";
+    });
 }
 
 bool Reader::starts_here(const Entry& entry) const

@@ -69,6 +69,7 @@ private:
     void check_clashes(Members& members);
     std::vector<Endpoint> ends_of(const std::string& text, const Value& value);
     std::vector<Endpoint> ends_like(const std::string& glob, const Value& value);
+    [[nodiscard]] bool is_unclear(const std::string& text) const;
     void no_drone(const std::string& text, const Value& value);
     /// False: a mistake was written down.
     bool add_connection(SwarmConnection connection, const Value& to);
@@ -97,6 +98,8 @@ private:
 
     /// Is a drone of this entry started on this machine?
     [[nodiscard]] bool starts_here(const Entry& entry) const;
+    /// Is one started on another machine, and reached over the network?
+    [[nodiscard]] bool starts_elsewhere(const Entry& entry) const;
     /// The interface of a kind, cached; nothing if it is unknown.
     const Interface* interface(const std::string& kind);
     /// Records the kinds with an unknown interface: an error on this machine, a note for others.
@@ -115,7 +118,8 @@ private:
     std::set<std::string> connected_;  ///< "from to", with the known ports
     static constexpr int most_compared = 20;
     int compared_ = 0;            ///< misspelt names
-    bool names_unclear_ = false;  ///< an entry could not be read, and may have missing names
+    bool all_unclear_ = false;       ///< the drones, or an included file, could not be read
+    std::set<std::string> unclear_;  ///< entries that could not be read, so that names like these may be missing
 };
 
 }  // namespace hive::swarm_file
