@@ -41,8 +41,8 @@ hive::SwarmPlan running_plan(const Options& options, Session& session, Outcome& 
 {
     auto& application = session.application();
     // A plan that cannot be read does not keep others from being exported.
-    const auto plans = hive::Swarm::remembered(
-        application, [](const hive::Error& error) { complain_about("export", error); });
+    const auto plans =
+        hive::Swarm::remembered(application, [](const hive::Error& error) { complain_about("export", error); });
     const auto names = drones_meant(options, plans, application, outcome);
     const auto only = plans.size() == 1 ? plans.front().name : "swarm";
     const auto name = options.swarm.empty() ? only : options.swarm;

@@ -87,7 +87,8 @@ Verb verb()
             "new process can have the change; what an earlier file of this swarm had and this one lacks is stopped, or "
             "reset to its default. A drone that another swarm or a user started is connected and otherwise left alone, "
             "unless it has \"change_if_shared\" in the file; stderr names it. So a second up does nothing. It is all "
-            "or nothing: if a drone does not start or refuses a value, or on Ctrl-C, all changes are rolled back. A drone of "
+            "or nothing: if a drone does not start or refuses a value, or on Ctrl-C, all changes are rolled back. A "
+            "drone of "
             "this machine that hangs does not hold up the others: it is left as it is, and the exit code is 8. Of "
             "failures that differ only in names and numbers, stderr has the first 20; with --json all. The "
             "format is in libhive/docs/swarm-file.md; hivectl check checks a file without starting anything.",

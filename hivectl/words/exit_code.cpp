@@ -6,7 +6,6 @@
 #include <hive/failure.hpp>
 #include <hive/program.hpp>
 
-
 namespace hivectl {
 namespace {
 

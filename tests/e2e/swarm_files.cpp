@@ -110,7 +110,8 @@ TEST_CASE("swarm files: what up would refuse on this machine is found by check a
                           != std::string::npos,
                       refused.out, refused.err);
     }
-    const auto slurm = written(swarm, "slurm.json", R"({"swarm": "s", "drones": {"a": {"kind": "ticker", "on": "n1", "insecure": true}},
+    const auto slurm = written(swarm, "slurm.json",
+                               R"({"swarm": "s", "drones": {"a": {"kind": "ticker", "on": "n1", "insecure": true}},
   "engines": {"n1": {"slurm": {}}}})")
                            .string();
     CHECK_EQ(swarm.hivectl({"check", slurm}, patient(15'000ms)).exit_code, 0);  // it may be meant for an allocation
@@ -127,7 +128,8 @@ TEST_CASE("swarm files: a kind that is not here is a note for another machine, a
 {
     const Swarm swarm;
     const auto elsewhere =
-        written(swarm, "elsewhere.json", R"({"swarm": "s", "drones": {"a": {"kind": "nosuch", "on": "cam1", "insecure": true}}})")
+        written(swarm, "elsewhere.json",
+                R"({"swarm": "s", "drones": {"a": {"kind": "nosuch", "on": "cam1", "insecure": true}}})")
             .string();
     const auto checked = swarm.hivectl({"check", elsewhere}, patient(15'000ms));
     CHECK_EQ(checked.exit_code, 0);

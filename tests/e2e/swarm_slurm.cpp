@@ -118,6 +118,33 @@ TEST_CASE("up under slurm: a killed up leaves what the next one finds, and one t
     CHECK_MESSAGE(has(outside.err, "allocation"), outside.err);
 }
 
+TEST_CASE("up under slurm: in a heterogeneous job each drone is a step of the component that has its node")
+{
+    if (!possible(missing_for_slurm()))
+        return;
+    SlurmLab lab;
+    lab.shell_done("hivectl key new");
+    Json content{
+        {"swarm", "mixed"},
+        {"drones", {{"a", {{"kind", "ticker"}, {"on", "n1"}}}, {"b", {{"kind", "sleeper"}, {"on", "n2"}}}}},
+        {"connections", {{{"from", "a"}, {"to", "b"}}}},
+        {"engines", {{"n1", {{"slurm", Json::object()}}}, {"n2", {{"slurm", {{"options", {"--gres=gpu:1"}}}}}}}}};
+    const auto home = lab.swarm().home();
+    const auto script = home / "mixed.sbatch";
+    std::ofstream(script) << "#!/bin/bash\n#SBATCH --nodes=1 --nodelist=n1\n#SBATCH hetjob\n"
+                             "#SBATCH --nodes=1 --nodelist=n2 --gres=gpu:1\n"
+                          << "export HIVE_HOME=" << home.string() << "\nhivectl up " << write(lab, content)
+                          << " && hivectl results b -n 3 --timeout 20 && squeue --noheader --steps --format='%j on %N'"
+                             "\nkill -STOP $(hivectl ps b --json | grep -o '\"pid\":[0-9]*' | cut -d: -f2)\n"
+                             "hivectl down --timeout 1 && echo all done\n";
+    lab.submit(script);
+    const auto said = [&] { return lab.swarm().log("sbatch"); };
+    REQUIRE_MESSAGE(eventually([&] { return has(said(), "all done"); }, 60'000ms), said());
+    CHECK(has(said(), "a on n1"));
+    CHECK(has(said(), "b on n2"));
+    CHECK_MESSAGE(eventually([&] { return lab.processes() == 0; }, 10'000ms), said());
+}
+
 TEST_CASE("export as slurm: sbatch brings the swarm up on three nodes, a killed drone comes back, scancel ends it")
 {
     if (!possible(missing_for_slurm()))

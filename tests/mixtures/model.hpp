@@ -96,7 +96,7 @@ private:
     std::set<std::string> cut_short_;  ///< drones that may have given up events and not acknowledged them
     std::map<std::string, Time> dead_since_;
     std::chrono::milliseconds parted_{0};  ///< the machines, since everything was connected
-    std::set<std::string> stopped_;  ///< drones that have forgotten what they were told, and for whom they worked
+    std::set<std::string> stopped_;        ///< drones that have forgotten what they were told, and for whom they worked
     std::set<std::pair<std::string, std::string>> alone_;  ///< sender, receiver: connected alone, whatever its stage is
     std::map<std::pair<std::int64_t, std::int64_t>, std::vector<Came>> came_;
     std::set<std::pair<std::string, std::pair<std::int64_t, std::int64_t>>> given_up_;    ///< by bystanders

@@ -62,9 +62,9 @@ public:
     std::vector<SwarmStep> differences(const SwarmWatch& watch = {});
     /// Starts missing drones and waits until they answer, restarts drones if only a new process can match the plan,
     /// then changes, sets, connects, disconnects and stops what differs: all or (after a failure, or when cancelled)
-    /// nothing. A second call changes nothing. A drone that hangs does not hold up the others: it is in `silent`. A drone of the plan that this swarm did not bring up is connected, and
-    /// otherwise unchanged unless the plan has `change_if_shared`. One process at a time changes a swarm: others wait,
-    /// and throw Errc::locked after `timeout`.
+    /// nothing. A second call changes nothing. A drone that hangs does not hold up the others: it is in `silent`. A
+    /// drone of the plan that this swarm did not bring up is connected, and otherwise unchanged unless the plan has
+    /// `change_if_shared`. One process at a time changes a swarm: others wait, and throw Errc::locked after `timeout`.
     /// @param timeout  for the right to change the swarm, and then for all drones to be ready
     SwarmOutcome up(std::chrono::milliseconds timeout, const SwarmWatch& watch = {});
     /// Stops all drones that this swarm brought up: sources first, and each drone once its events are delivered.

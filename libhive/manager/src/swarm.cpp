@@ -162,8 +162,7 @@ SwarmOutcome Swarm::up(std::chrono::milliseconds timeout, const SwarmWatch& watc
     const swarm::Record record(application_.home(), plan_.name);
     const auto before = record.read();
     const auto differences = swarm::differences(application_, plan_, before, watch.told);
-    SwarmOutcome outcome{
-        .steps = differences.steps, .failures = {}, .remains = {}, .silent = differences.silent};
+    SwarmOutcome outcome{.steps = differences.steps, .failures = {}, .remains = {}, .silent = differences.silent};
     record.write(swarm::with_rest_of(plan_, before));  // if killed here, the next process finds what to clean up
     swarm::Starting starting(application_, plan_);
     swarm::Restarting restarting(application_, differences);

@@ -40,10 +40,27 @@ int port_of(const std::string& job, const std::string& drone, int attempt)
     return first_port + static_cast<int>((hash + static_cast<std::uint32_t>(attempt)) % ports);
 }
 
+std::string variable(const std::string& name)
+{
+    const char* const value = std::getenv(name.c_str());
+    return value ? value : "";
+}
+
+/// Of a heterogeneous job: each has nodes of its own, and an id; 0: the job is of one piece.
+int components() { return std::atoi(variable("SLURM_HET_SIZE").c_str()); }
+
+bool is_of_this_job(const std::string& step)
+{
+    bool is = step.starts_with(variable("SLURM_JOB_ID") + ".");
+    for (int i = 0; i < components(); ++i)
+        is = is || step.starts_with(variable("SLURM_JOB_ID_HET_GROUP_" + std::to_string(i)) + ".");
+    return is;
+}
+
 class SlurmEngine final : public Engine {
 public:
-    SlurmEngine(const Json& settings, std::string node, std::filesystem::path home, std::string job)
-        : node_(std::move(node)), home_(std::move(home)), job_(std::move(job))
+    SlurmEngine(const Json& settings, std::string node, std::filesystem::path home)
+        : node_(std::move(node)), home_(std::move(home)), job_(variable("SLURM_JOB_ID"))
     {
         if (settings.is_object())
             for (const auto& option : settings.value("options", Json::array()))
@@ -67,6 +84,7 @@ private:
     };
 
     bool find_node(std::vector<Report>& reports);
+    std::optional<std::string> told_by(const std::vector<std::string>& command);
     void start(const SwarmDrone& drone, std::vector<Report>& reports);
     [[nodiscard]] std::vector<std::string> words_of(SwarmDrone drone, int port) const;
     [[nodiscard]] int free_port(const SwarmDrone& drone) const;
@@ -79,7 +97,7 @@ private:
     std::filesystem::path home_;
     std::string job_;
     std::vector<std::string> options_;
-    std::string address_;  ///< of the node; empty: not known yet
+    std::string address_, component_;  ///< of the node; empty: not known yet
     std::optional<RunningCommand> asking_;
     std::list<Step> steps_;
     std::set<std::string> adopted_;
@@ -141,20 +159,40 @@ std::vector<int> SlurmEngine::descriptors()
     return all;
 }
 
-/// Queries Slurm for the node's address. False until it is known.
-bool SlurmEngine::find_node(std::vector<Report>& reports)
-try {
-    if (!address_.empty() || waiting_.empty())
-        return true;
+/// The output of a command of Slurm, empty if it fails; nothing while it runs.
+std::optional<std::string> SlurmEngine::told_by(const std::vector<std::string>& command)
+{
     if (!asking_)
-        asking_.emplace(std::vector<std::string>{"scontrol", "-o", "show", "node", node_}, slurm_timeout);
+        asking_.emplace(command, slurm_timeout);
     const auto result = asking_->poll();
     if (!result)
-        return false;
+        return std::nullopt;
     asking_.reset();
-    address_ = address_in(result->out);
-    if (result->exit_code != 0 || address_.empty())
-        throw Error(Errc::not_found, "Slurm has no node " + node_ + ": " + last_line(result->out + result->err));
+    return result->exit_code == 0 ? result->out : "";
+}
+
+/// Queries Slurm for the node's address and its component of the job. False until they are known.
+bool SlurmEngine::find_node(std::vector<Report>& reports)
+try {
+    if (address_.empty() && !waiting_.empty()) {
+        const auto told = told_by({"scontrol", "-o", "show", "node", node_});
+        if (!told)
+            return false;
+        address_ = address_in(*told);
+        if (address_.empty())
+            throw Error(Errc::not_found, "Slurm has no node " + node_, "see them: sinfo -N");
+    }
+    if (components() > 0 && component_.empty() && !waiting_.empty()) {
+        const auto told =
+            told_by({"squeue", "--jobs=" + job_, "--nodelist=" + node_, "--noheader", "--format=%i"});  // "JOB+1"
+        if (!told)
+            return false;
+        const auto plus = told->find('+');
+        if (plus == std::string::npos)
+            throw Error(Errc::not_found, "no component of the job " + job_ + " has the node " + node_,
+                        "see them: squeue --jobs=" + job_);
+        component_ = told->substr(plus + 1, told->find_first_not_of("0123456789", plus + 1) - plus - 1);
+    }
     return true;
 } catch (const Error& error) {
     for (; !waiting_.empty(); waiting_.pop_front())
@@ -185,6 +223,8 @@ std::vector<std::string> SlurmEngine::words_of(SwarmDrone drone, int port) const
     const auto command = command_of(drone.kind);
     std::vector<std::string> words{"srun", "--jobid=" + job_, "--nodes=1", "--ntasks=1"};
     words.insert(words.end(), {"--nodelist=" + node_, "--job-name=" + drone.name, "--input=none", "--quiet"});
+    if (!component_.empty())
+        words.push_back("--het-group=" + component_);
     words.insert(words.end(), options_.begin(), options_.end());
     std::ranges::move(step_amounts(drone), std::back_inserter(words));
     words.push_back(command.program.string());
@@ -235,7 +275,7 @@ std::vector<std::string> SlurmEngine::steps_named(const std::vector<std::string>
     std::vector<std::string> ids;
     std::istringstream lines(listed.out);
     for (std::string id, node, name; lines >> id >> node && std::getline(lines >> std::ws, name);)
-        if ((job_.empty() || id.starts_with(job_ + ".")) && node == node_
+        if ((job_.empty() || is_of_this_job(id)) && node == node_
             && std::ranges::find(drones, name.substr(0, name.find_last_not_of(' ') + 1)) != drones.end())
             ids.push_back(id);
     return ids;
@@ -303,8 +343,7 @@ std::vector<std::string> step_amounts(const SwarmDrone& drone)
 std::unique_ptr<Engine> make_slurm_engine(const Json& settings, const std::string& node,
                                           const std::filesystem::path& home)
 {
-    const char* const job = std::getenv("SLURM_JOB_ID");
-    return std::make_unique<SlurmEngine>(settings, node, home, job ? job : "");
+    return std::make_unique<SlurmEngine>(settings, node, home);
 }
 
 }  // namespace hive

@@ -117,7 +117,8 @@ std::vector<Endpoint> Reader::ends_like(const std::string& glob, const Value& va
 bool Reader::is_unclear(const std::string& text) const
 {
     return all_unclear_ || std::ranges::any_of(unclear_, [&](const std::string& name) {
-               return text.starts_with(name) && (text.size() == name.size() || text.find_first_of("-.", name.size()) == name.size());
+               return text.starts_with(name)
+                      && (text.size() == name.size() || text.find_first_of("-.", name.size()) == name.size());
            });
 }
 

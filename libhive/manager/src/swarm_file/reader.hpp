@@ -117,7 +117,7 @@ private:
         listening_;                    ///< by machine and port: the address and the drone
     std::set<std::string> connected_;  ///< "from to", with the known ports
     static constexpr int most_compared = 20;
-    int compared_ = 0;            ///< misspelt names
+    int compared_ = 0;               ///< misspelt names
     bool all_unclear_ = false;       ///< the drones, or an included file, could not be read
     std::set<std::string> unclear_;  ///< entries that could not be read, so that names like these may be missing
 };

@@ -11,9 +11,9 @@
 
 namespace hive::event {
 
-/// Filters the events of one input. An event of the source is accepted once. Of the answers to a piece of work the first
-/// one is accepted; its repetition, and the result of another attempt, is rejected, unless it comes from a receiver that
-/// answers for itself and has not answered yet. Pure logic, for one thread.
+/// Filters the events of one input. An event of the source is accepted once. Of the answers to a piece of work the
+/// first one is accepted; its repetition, and the result of another attempt, is rejected, unless it comes from a
+/// receiver that answers for itself and has not answered yet. Pure logic, for one thread.
 class AnswerFilter {
 public:
     static constexpr std::size_t remembered = 65536;
