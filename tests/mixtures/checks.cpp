@@ -110,14 +110,14 @@ bool is_busy(const Status& status)
                                   [&](auto& output) { return std::ranges::any_of(output.edges, in_flight); });
 }
 
-/// Can it be why this edge stands still?
+/// May its reason be why no event moves on this edge?
 bool is_true(const EdgeStatus& edge, const OutputStatus& output, const Status* receiver, const InputStatus* input)
 {
     switch (edge.why) {
     case Reason::not_asked:
     case Reason::not_acknowledged: return !input || is_busy(*receiver) || receiver->why != Reason::none;
     case Reason::place_kept: return !edge.connected && !(input && input->connected);
-    case Reason::lane_full: return !receiver;  // who is there reads
+    case Reason::lane_full: return !receiver;  // one that runs also reads
     case Reason::group_awaited:
         return std::ranges::none_of(output.edges, [&](const EdgeStatus& other) {
             return !other.group && other.connected && other.options.group == edge.options.group;

@@ -9,15 +9,15 @@
 namespace hive::mixtures {
 
 /// fates: nothing is lost at a drone that was killed, or left, if no order or fault has killed it or ended its
-/// connection; nothing is cut off unless somebody was frozen or not heard; and no event is given up without any of
-/// that.
+/// connection; nothing is cut off unless somebody was frozen or not heard; and no event is given up unless one of
+/// these has happened.
 class Fates {
 public:
     /// Has the network ended a connection of these two as if one had died?
     using WasCut = std::function<bool(const std::string& drone, const std::string& peer)>;
 
     /// @param topology  its drones are known, with those that collect; others come and go
-    /// @param silent    somebody may not be heard for 2 s without an order
+    /// @param silent    a drone may be unheard for 2 s although no order says so
     Fates(const Topology& topology, WasCut was_cut, bool silent);
 
     void before(const Step& step);

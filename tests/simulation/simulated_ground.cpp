@@ -152,7 +152,7 @@ std::optional<std::chrono::microseconds> SimulatedGround::age_error() const
         return std::nullopt;
     if (!has(mixtures::fault::clocks) && !has(mixtures::fault::part))
         return 0us;  // on one machine, where no clock is read from afar
-    return freezes_ || has(mixtures::fault::silence) || has(mixtures::fault::part) ? 2s : 30ms;
+    return freezes_ || has(mixtures::fault::silence) || has(mixtures::fault::part) ? 3s : 30ms;
 }
 
 void SimulatedGround::until(const std::function<bool()>& condition)

@@ -141,7 +141,7 @@ std::int64_t Intake::note_share(Event& event)
     if (before != shares.rend() && before->group())
         note_group(before->of);
     else
-        sender_groups_.clear();  // nobody else does this work
+        sender_groups_.clear();  // no other drone does the work of this one
     const bool lossless = event.identity.lossless;
     if (shares.empty())
         return progress_.receive(lossless, 0);

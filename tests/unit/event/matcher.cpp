@@ -90,7 +90,7 @@ TEST_CASE("matcher: a source that restarts after its clock was set back may have
 TEST_CASE("matcher: of more sources than are remembered each has its runs ordered by epoch")
 {
     Case c;
-    for (int i = 0; i < 2 * static_cast<int>(Runs::most); ++i) {
+    for (int i = 0; i < 2 * static_cast<int>(Runs::most_sources); ++i) {
         const auto source = "source-" + std::to_string(1000 + i);
         c.give("image", {7}, {.source = source, .epoch = 5});
         CHECK(c.give("marks", {7}, {.source = source, .epoch = 5}) == Sets{{7, 7}});

@@ -90,7 +90,7 @@ TEST_CASE("liveness: a peer may have heard nothing since the last ping that it a
     CHECK_FALSE(own.seemed_dead(zero + 3999ms));
     CHECK(own.seemed_dead(zero + 4s));
     own.excuse(5s);
-    CHECK(own.seemed_dead(zero + 4s));  // the peer did not stand still
+    CHECK(own.seemed_dead(zero + 4s));  // the peer was not suspended
 }
 
 TEST_CASE("liveness: a packet must come at 64 KiB/s, in every window")

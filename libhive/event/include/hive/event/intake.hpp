@@ -177,7 +177,7 @@ private:
 
     std::int64_t sender_epoch_ = 0;
     InputProgress progress_;
-    std::deque<std::string> sender_groups_;  ///< of which the sender is a member, as its last events say
+    std::deque<std::string> sender_groups_;  ///< of which the sender is a member, by the shares of its last events
     bool replaced_ = false;                  ///< the sender is lost, and other members of its groups do its work
     bool sender_leaves_ = false;             ///< it said that it is being stopped
     bool unacknowledged_ = false;            ///< what arrives is discarded, and the sender is not told

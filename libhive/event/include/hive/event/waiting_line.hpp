@@ -3,32 +3,16 @@
 
 #include <hive/event.hpp>
 #include <hive/event/clock.hpp>
+#include <hive/event/runs.hpp>
 
 #include <cstddef>
 #include <deque>
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace hive::event {
-
-/// The order of the runs of each source: by epoch, unless a sender that keeps the order of events is the first to send
-/// one of a run, and so shows that the clock was set back before it.
-class Runs {
-public:
-    static constexpr std::size_t most =
-        64;  ///< of a source, and sources; those that are forgotten come first, by epoch
-
-    /// An event of this run has come. @param before  the run of its sender's event before that; 0: unknown, or the
-    /// sender keeps no order
-    void hear(const std::string& source, std::int64_t epoch, std::int64_t before);
-    [[nodiscard]] bool precedes(const std::string& source, std::int64_t one, std::int64_t other) const;
-
-private:
-    std::map<std::string, std::vector<std::int64_t>> runs_;
-};
 
 /// Pure logic, for one thread.
 class WaitingLine {
