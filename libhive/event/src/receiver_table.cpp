@@ -146,7 +146,10 @@ Welcome ReceiverTable::seat(const Newcomer& newcomer, Clock::time_point now, Dec
 
 ReceiverTable::Group& ReceiverTable::group_named(const std::string& name)
 {
-    const Subscription::Kind kind{.shared_as = output_ + "#" + name, .epoch = epoch_, .redelivers = defences_.leases};
+    const Subscription::Kind kind{.shared_as = output_ + "#" + name,
+                                  .epoch = epoch_,
+                                  .earlier_jobs = forgotten_jobs_,
+                                  .redelivers = defences_.leases};
     return groups_.try_emplace(name, Group{.subscription = Subscription(kind)}).first->second;
 }
 
@@ -370,7 +373,9 @@ void ReceiverTable::forget_empty_groups(Decisions& decisions)
     for (auto oldest = awaited.begin(); awaited.size() > max_awaited; oldest = awaited.erase(oldest))
         stop_waiting(groups_.at(oldest->second), decisions);
     for (auto oldest = empty.begin(); empty.size() > max_empty_groups; oldest = empty.erase(oldest)) {
-        groups_.at(oldest->second).subscription.give_up(decisions);
+        auto& subscription = groups_.at(oldest->second).subscription;
+        subscription.give_up(decisions);
+        forgotten_jobs_ = std::max(forgotten_jobs_, subscription.standing().turn);
         groups_.erase(oldest->second);
     }
 }

@@ -503,6 +503,8 @@ TEST_CASE("awaited group: of those without members only the last are remembered,
     CHECK(world.has_row("group group-1"));
     CHECK(world.add(100, "face", member_of(0)).empty());
     CHECK(world.add(101, "face", member_of(1)) == Got{{101, {1}}});
+    CHECK(world.offer(50) == Got{{100, {50}}});
+    CHECK(world.last_share->turn > 1);  // a receiver would take turn 1 for the one that was given up
 }
 
 TEST_CASE("guest: it gets what there is, and neither lets a source begin nor holds it up")

@@ -212,6 +212,7 @@ private:
     bool ended_ = false;
     std::int64_t unreceived_ = 0;
     std::uint64_t order_ = 0;
+    std::int64_t forgotten_jobs_ = 0;  ///< of a forgotten group, at most: no turn of a name is used twice in a run
 };
 
 }  // namespace hive::event
