@@ -12,19 +12,15 @@ namespace {
 constexpr std::string_view exceptions = "exceptions";
 constexpr char part_begins = ' ';  // separates the shares in a work's key
 
-std::string without_group(const Share& share) { return share.of.substr(0, share.of.find('#')); }
-
-std::string drone_of(const Share& share) { return share.of.substr(0, without_group(share).rfind('.')); }
-
 /// The drone and the input that got a share, `DRONE.INPUT`. A sender that gave up names them itself.
 std::pair<std::string, std::string> receiver_of(const Event& event, std::size_t i)
 {
     const auto& shares = event.identity.shares;
     const Share& share = shares[i];
-    const bool given_up = event.output == exceptions && drone_of(share) == event.sender;
+    const bool given_up = event.output == exceptions && share.sender() == event.sender;
     if (const auto dot = share.to.rfind('.'); given_up && dot != std::string::npos)
         return {share.to.substr(0, dot), share.to.substr(dot + 1)};
-    return {i + 1 < shares.size() ? drone_of(shares[i + 1]) : event.sender, share.to};
+    return {i + 1 < shares.size() ? std::string(shares[i + 1].sender()) : event.sender, share.to};
 }
 
 /// Adds a stage of the pipeline to the key. Members of a group are interchangeable, so behind a group the key names
@@ -32,9 +28,8 @@ std::pair<std::string, std::string> receiver_of(const Event& event, std::size_t 
 void add_stage(std::string& work, const Share& share, const std::string& receiver, const std::string& input,
                bool behind_group)
 {
-    const auto sharp = share.of.find('#'), dot = share.of.substr(0, sharp).rfind('.');
     work += part_begins;
-    work += behind_group ? share.of.substr(dot, sharp - dot) : share.of;
+    work += behind_group ? share.output().substr(share.sender().size()) : share.of;
     ((work += '/') += std::to_string(share.part)) += '>';
     if (!behind_group && !share.group())
         (work += receiver) += '.';  // each plain receiver gives its own answer
@@ -54,8 +49,7 @@ std::size_t shares_behind(const Event& event)
     const auto& shares = event.identity.shares;
     if (shares.empty())
         return 0;
-    const std::string_view last = shares.back().of;
-    const bool own = last.substr(0, last.find('#')) == event.sender + "." + event.output;
+    const bool own = shares.back().output() == event.sender + "." + event.output;
     return shares.size() - (own ? 1 : 0);
 }
 
@@ -101,7 +95,7 @@ std::pair<std::string, AnswerFilter::Answer> AnswerFilter::named(const Event& ev
         const auto [receiver, input] = receiver_of(event, i);
         add_stage(i == 0 ? key : answer.work, share, receiver, input, behind_group);
         if (i > 0) {  // the first is in the key
-            (((answer.path += ' ') += without_group(share)) += '/') += std::to_string(share.part);
+            (((answer.path += ' ') += share.output()) += '/') += std::to_string(share.part);
             answer.each += share.each ? '1' : '0';
         }
         (((answer.path += '>') += receiver) += '.') += input;

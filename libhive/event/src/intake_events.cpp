@@ -135,9 +135,8 @@ bool Intake::refuses_now() const
 std::int64_t Intake::note_share(Event& event)
 {
     auto& shares = event.identity.shares;
-    const auto before = std::find_if_not(shares.rbegin(), shares.rend(), [&](const Share& share) {
-        return belongs_to(std::string_view(share.of).substr(0, share.of.find('#')), spec_.sender);
-    });
+    const auto before = std::find_if_not(shares.rbegin(), shares.rend(),
+                                         [&](const Share& share) { return share.sender() == spec_.sender; });
     if (before != shares.rend() && before->group())
         note_group(before->of);
     else

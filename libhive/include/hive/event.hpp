@@ -33,6 +33,10 @@ struct Share {
     std::string to = {};      ///< the input that got it
 
     [[nodiscard]] bool group() const { return of.find('#') != std::string::npos; }
+    /// `of` without its group.
+    [[nodiscard]] std::string_view output() const { return std::string_view(of).substr(0, of.find('#')); }
+    /// The drone of that output.
+    [[nodiscard]] std::string_view sender() const { return output().substr(0, output().rfind('.')); }
     bool operator==(const Share&) const = default;
 };
 

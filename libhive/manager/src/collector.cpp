@@ -234,7 +234,7 @@ void MailboxCollector::follow_those_on_the_way(const Event& event)
     for (const auto& hop : event.identity.hops)
         hear_exceptions(hop.drone);
     for (const auto& share : event.identity.shares)
-        hear_exceptions(parse_endpoint(share.of.substr(0, share.of.find('#'))).drone);
+        hear_exceptions(std::string(share.sender()));
 }
 
 CollectCounts MailboxCollector::counts() const

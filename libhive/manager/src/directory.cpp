@@ -156,6 +156,8 @@ std::string references_to(const std::vector<Place>& places)
 
 std::string drone_of(const std::string& reference) { return reference.substr(0, reference.find('@')); }
 
+std::string machine_name(const std::string& ssh) { return ssh.substr(ssh.rfind('@') + 1); }
+
 Directory::Directory(std::filesystem::path home, const std::filesystem::path& key)
     : home_(std::move(home)), list_(home_.directory()), network_(std::make_unique<AnnouncedPlaces>(home_, list_, key))
 {

@@ -53,6 +53,8 @@ private:
 
 /// "camera" of "camera" and of "camera@cam1".
 std::string drone_of(const std::string& reference);
+/// "cam1" of "cam1" and of "user@cam1", the machine of ssh.
+std::string machine_name(const std::string& ssh);
 /// Is it on this machine, in the home?
 inline bool is_here(const Place& place) { return place.host == Place::here; }
 

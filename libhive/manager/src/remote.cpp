@@ -1,4 +1,5 @@
 // Writes the command lines for ssh, and interprets its failures.
+#include "directory.hpp"
 #include "engines/engine.hpp"
 #include "last_line.hpp"
 
@@ -61,7 +62,7 @@ Remote::Remote(std::string ssh, const std::filesystem::path& home) : ssh_(std::m
     require_host(ssh_);
 }
 
-std::string Remote::host() const { return ssh_.substr(ssh_.rfind('@') + 1); }
+std::string Remote::host() const { return machine_name(ssh_); }
 
 std::string Remote::address(std::chrono::milliseconds limit) const
 {

@@ -81,8 +81,7 @@ std::string host_of(const SwarmPlan& plan, const SwarmDrone& drone)
     const auto engine = plan.engine_of(drone.host);
     if (engine.name != "ssh")
         return engine.name == "slurm" ? drone.host : Place::here;
-    const auto name = engine.settings.get<std::string>();
-    return name.substr(name.rfind('@') + 1);
+    return machine_name(engine.settings.get<std::string>());
 }
 
 void require_same(const SwarmPlan& plan, const SwarmDrone& drone, const StatusAnswer& running)

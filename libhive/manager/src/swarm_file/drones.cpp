@@ -1,4 +1,5 @@
 // Reads the drones of a swarm file.
+#include "../directory.hpp"
 #include "reader.hpp"
 #include "words.hpp"
 
@@ -9,9 +10,9 @@
 
 namespace hive::swarm_file {
 
-bool is_machine(std::string_view text) noexcept
+bool is_machine(std::string_view text)
 {
-    const auto host = text.substr(text.rfind('@') + 1);  // the host becomes the name of a folder
+    const auto host = machine_name(std::string(text));  // the host becomes the name of a folder
     return !text.empty() && text.size() <= 255 && text.front() != '-' && !host.empty() && !host.starts_with('.')
            && std::ranges::all_of(text, [](unsigned char c) { return c > ' ' && c < 0x7F; })
            && text.find_first_of("'\"`$;&|<>()\\/*?") == std::string_view::npos;

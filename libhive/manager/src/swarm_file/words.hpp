@@ -25,6 +25,6 @@ inline constexpr int most_of_a_kind = 1000;
 inline std::string lock_of(const std::string& swarm) { return swarm + ".swarm"; }
 
 /// Is it a valid machine in a file? HOST or USER@HOST, never an option of ssh or a glob.
-bool is_machine(std::string_view text) noexcept;
+bool is_machine(std::string_view text);
 
 }  // namespace hive::swarm_file

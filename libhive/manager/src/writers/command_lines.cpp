@@ -1,6 +1,7 @@
 // Chooses ports, and assembles arguments.
 #include "command_lines.hpp"
 
+#include "../directory.hpp"
 #include "../engines/engine.hpp"
 
 #include <hive/printable.hpp>
@@ -40,8 +41,6 @@ std::string shell_word(const std::string& word)
     constexpr std::string_view plain = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_@%:=,./+-";
     return !word.empty() && word.find_first_not_of(plain) == std::string::npos ? word : quoted_for_shell(word);
 }
-
-std::string machine_name(const std::string& host) { return host.substr(host.rfind('@') + 1); }
 
 std::string label_of(const std::string& name)
 {

@@ -55,8 +55,6 @@ private:
 
 /// Quotes an argument for a shell if needed.
 std::string shell_word(const std::string& word);
-/// "cam1" of "user@cam1".
-std::string machine_name(const std::string& host);
 /// The name with lower-case letters, digits and hyphens alone, as Kubernetes and compose require.
 std::string label_of(const std::string& name);
 

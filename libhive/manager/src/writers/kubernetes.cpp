@@ -1,4 +1,5 @@
 // Writes for each drone a workload and a Service, by whose name others reach it; the key is a Secret.
+#include "../directory.hpp"
 #include "../engines/engine.hpp"
 #include "command_lines.hpp"
 #include "needs.hpp"

@@ -1,4 +1,5 @@
 // Writes a script for sbatch: each drone is a step of the allocation, on the node named as its machine.
+#include "../directory.hpp"
 #include "../engines/engine.hpp"
 #include "command_lines.hpp"
 #include "writer.hpp"

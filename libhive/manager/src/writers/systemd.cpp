@@ -1,4 +1,5 @@
 // Writes units of the user's systemd: a service per drone, and a target per machine.
+#include "../directory.hpp"
 #include "../engines/engine.hpp"
 #include "../engines/systemd_unit.hpp"
 #include "command_lines.hpp"

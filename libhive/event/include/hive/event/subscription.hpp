@@ -71,7 +71,7 @@ public:
         /// Count live events, too, that a disconnected application misses within 30 s.
         bool application = false;
         std::int64_t earlier_jobs = 0;  ///< at most so many had a subscription of this name in this run, now forgotten
-        bool redelivers = true;  ///< false in tests that show the purpose of redelivery
+        bool redelivers = true;         ///< false in tests that show the purpose of redelivery
     };
     /// Lossless events that an absent consumer missed, in the last run of their source.
     struct Missed {
@@ -259,7 +259,7 @@ private:
     std::deque<EmissionPtr> fresh_;
     std::size_t fresh_bytes_ = 0;
     Clock::time_point behind_since_{};  ///< since when an event has been waiting
-    std::int64_t jobs_;  ///< the number of the last one
+    std::int64_t jobs_;                 ///< the number of the last one
     std::uint64_t order_ = 0;
     std::array<Clock::duration, 64> recent_times_{};  ///< of shared work
     std::size_t times_ = 0;                           ///< measured so far
