@@ -56,7 +56,7 @@ int run(const Options& options, Session& session)
     const bool all_done = outcome.failures.empty() && outcome.remains.empty()
                           && outcome.silent.empty();  // even if Ctrl-C was pressed afterwards
     const int code = all_done ? exit_code::done : complain_about("up", outcome);
-    if (!options.stay || (code != exit_code::done && code != exit_code::partly_done))
+    if (!options.stay || !outcome.failures.empty() || !outcome.remains.empty())
         return code;
     stay(swarm);
     return exit_code::done;
@@ -88,8 +88,8 @@ Verb verb()
             "reset to its default. A drone that another swarm or a user started is connected and otherwise left alone, "
             "unless it has \"change_if_shared\" in the file; stderr names it. So a second up does nothing. It is all "
             "or nothing: if a drone does not start or refuses a value, or on Ctrl-C, all changes are rolled back. A "
-            "drone of "
-            "this machine that hangs does not hold up the others: it is left as it is, and the exit code is 8. Of "
+            "drone that does not answer in time, for example because its code hangs, does not block the others: stderr "
+            "names it, and the exit code is 8. Of "
             "failures that differ only in names and numbers, stderr has the first 20; with --json all. The "
             "format is in libhive/docs/swarm-file.md; hivectl check checks a file without starting anything.",
         .examples = "hivectl up doorway.json\n"

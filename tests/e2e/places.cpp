@@ -261,7 +261,7 @@ TEST_CASE("replace: the new one has the port of the old one, and its receivers i
     REQUIRE(collector->next(patient(10'000ms)));
     const auto elsewhere = near.hivectl({"replace", "source"});
     CHECK(elsewhere.exit_code == 5);
-    CHECK(has(elsewhere.err, "there: hivectl replace source"));
+    CHECK(has(elsewhere.err, "on that machine: hivectl replace source"));
     const auto epoch = application.status("source").epoch;
     far.hivectl_done({"replace", "source"}, 40'000ms);
     CHECK(port_of(far, "source") == place);

@@ -37,7 +37,7 @@ TEST_CASE("up: starts, sets and connects what the file says, and a second up fin
     CHECK(swarm.hivectl_done({"down", file}).empty());
 }
 
-TEST_CASE("up: a drone that hangs does not hold up the others, is left as it is, and named")
+TEST_CASE("up: a drone that does not answer does not block the others, is left as it is, and named")
 {
     const Swarm swarm;
     auto content = workers_file(2);
@@ -52,7 +52,7 @@ TEST_CASE("up: a drone that hangs does not hold up the others, is left as it is,
         const auto result = swarm.hivectl(words);
         const bool dry_run = words.size() == 3;
         CHECK(result.exit_code == (dry_run ? 0 : 8));
-        CHECK(has(result.err, "worker-1 does not answer, so it is left as it is"));
+        CHECK(has(result.err, "worker-1 does not answer, so it and its connections are unchanged"));
         CHECK(has(result.out, "start worker-3"));
         CHECK(has(result.out, "set worker-2 work_ms=2"));
         CHECK_FALSE(has(result.out, "worker-1"));
@@ -61,6 +61,46 @@ TEST_CASE("up: a drone that hangs does not hold up the others, is left as it is,
     ::kill(pid, SIGCONT);
     CHECK(steps(swarm, file) == std::vector<std::string>{"set worker-1 work_ms=2"});
     CHECK(edges(swarm) == 6);
+}
+
+TEST_CASE("up: what it did beside a drone that does not answer is what comes back after a crash")
+{
+    const Swarm swarm;
+    auto content = workers_file(2);
+    content["drones"]["worker"]["restart"] = "on-failure";
+    const File file(swarm, content);
+    auto up = swarm.hivectl_running({"up", file, "--stay"}, "stay");
+    REQUIRE(eventually([&] { return edges(swarm) == 4; }, 20'000ms));
+    const hive::event::Home home(swarm.home());
+    ::kill(static_cast<pid_t>(home.holder("sink")), SIGSTOP);
+    content["drones"]["worker"]["set"]["work_ms"] = 7;
+    content["connections"].erase(0);
+    file.write(content);
+    CHECK(swarm.hivectl({"up", file}).exit_code == 8);
+    const auto before = home.holder("worker-1");
+    ::kill(static_cast<pid_t>(before), SIGKILL);
+    REQUIRE(eventually([&] { return swarm.hivectl({"get", "worker-1", "work_ms"}).out == "7\n"; }, 20'000ms));
+    CHECK(home.holder("worker-1") != before);
+    ::kill(static_cast<pid_t>(home.holder("sink")), SIGCONT);
+    CHECK(eventually([&] { return edges(swarm) == 2; }, 20'000ms));
+    up.signal(SIGINT);
+    CHECK(up.wait(10'000ms) == 0);
+}
+
+TEST_CASE("up: the code of a drone that hangs does not block the others")
+{
+    const Swarm swarm;
+    auto content = workers_file(2);
+    const File file(swarm, content);
+    steps(swarm, file);
+    swarm.hivectl_done({"set", "worker-1", "hang_from=1"});
+    REQUIRE(eventually([&] { return has(swarm.hivectl({"ps", "worker-1"}).out, "busy"); }, 20'000ms));
+    content["drones"]["worker"]["set"]["work_ms"] = 7;
+    file.write(content);
+    const auto result = swarm.hivectl({"up", file});
+    CHECK(result.exit_code == 8);
+    CHECK(result.out == "set worker-2 work_ms=7\n");
+    CHECK_MESSAGE(has(result.err, "worker-1 was busy"), result.err);
 }
 
 TEST_CASE("up: a drone receives from more senders than it accepts requests at once")

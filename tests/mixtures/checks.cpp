@@ -117,7 +117,7 @@ bool is_true(const EdgeStatus& edge, const OutputStatus& output, const Status* r
     case Reason::not_asked:
     case Reason::not_acknowledged: return !input || is_busy(*receiver) || receiver->why != Reason::none;
     case Reason::place_kept: return !edge.connected && !(input && input->connected);
-    case Reason::lane_full: return !receiver;  // one that runs also reads
+    case Reason::lane_full: return !receiver;  // a running receiver reads
     case Reason::group_awaited:
         return std::ranges::none_of(output.edges, [&](const EdgeStatus& other) {
             return !other.group && other.connected && other.options.group == edge.options.group;

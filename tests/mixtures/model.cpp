@@ -94,9 +94,10 @@ void Model::before(const Step& step, Time now)
     if (step.verb == Verb::stop || (step.verb == Verb::start && stopped_.contains(step.drone)))
         began_anew(step.drone);
     if (step.verb == Verb::kill || step.verb == Verb::set_and_kill || step.verb == Verb::replace
-        || step.verb == Verb::connect_all)
+        || step.verb == Verb::connect_all) {
         cut_short_.insert({step.drone, step.sender});  // two may be replaced at once
-    else if (step.verb == Verb::disconnect || step.verb == Verb::forget)
+        died_.insert({step.drone, step.sender});
+    } else if (step.verb == Verb::disconnect || step.verb == Verb::forget)
         cut_short_.insert(step.sender);
     if (step.verb == Verb::stop)
         stopped_.insert(step.drone);
@@ -122,6 +123,16 @@ void Model::before(const Step& step, Time now)
         left(step.sender, step.drone, has_another(step.sender, step.drone, true));
 }
 
+/// Of members that share, others do the work.
+void Model::excuse_stage_of(const std::string& drone)
+{
+    const auto& stage = topology_.stages.at(topology_.stage_of(drone));
+    if (!stage.shared())
+        excuse(drone);
+    else if (std::ranges::none_of(stage.drones, [&](const auto& member) { return condition_.runs(member); }))
+        excuse("");
+}
+
 /// @param until  by then places may have been given up
 void Model::note_dead(Time now, Time until)
 {
@@ -134,7 +145,7 @@ void Model::note_dead(Time now, Time until)
         if (away > place_kept && topology_.is_bystander(drone))
             excuse(drone);
         else if (away > place_kept && topology_.is_worker(drone))
-            excuse(topology_.stages.at(topology_.stage_of(drone)).shared() ? "" : drone);
+            excuse_stage_of(drone);
     }
 }
 
@@ -296,7 +307,7 @@ bool Model::died_in_next_stage(const std::string& drone) const
     const auto next = drone == source ? 0 : topology_.stage_of(drone) + 1;
     return next < topology_.stages.size() && topology_.stages[next].shared()
            && std::ranges::any_of(topology_.stages[next].drones,
-                                  [&](const auto& member) { return cut_short_.contains(member); });
+                                  [&](const auto& member) { return died_.contains(member); });
 }
 
 std::optional<std::string> Model::came(const Outcome& outcome)

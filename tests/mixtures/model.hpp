@@ -81,6 +81,7 @@ private:
     void excuse_receivers_of(const std::string& drone);
     void began_anew(const std::string& drone);
     void note_dead(Time now, Time until);
+    void excuse_stage_of(const std::string& drone);
     /// Is it an exception that may come beside a result, see the first lines of model.cpp?
     [[nodiscard]] bool may_come_beside(const Outcome& outcome) const;
     [[nodiscard]] bool died_in_next_stage(const std::string& drone) const;
@@ -94,6 +95,7 @@ private:
     std::vector<Excuse> excuses_;
     bool began_anew_ = false;          ///< some drone did
     std::set<std::string> cut_short_;  ///< drones that may have given up events and not acknowledged them
+    std::set<std::string> died_;       ///< drones of which a process has ended without that its peers were told
     std::map<std::string, Time> dead_since_;
     std::chrono::milliseconds parted_{0};  ///< the machines, since everything was connected
     std::set<std::string> stopped_;        ///< drones that have forgotten what they were told, and for whom they worked

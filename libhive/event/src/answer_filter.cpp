@@ -59,7 +59,10 @@ bool AnswerFilter::first(const Event& event)
 {
     if (event.identity.shares.empty() || off_)
         return true;
-    auto found = named(event, std::max<std::size_t>(shares_behind(event), 1));
+    const auto count = shares_behind(event);
+    if (count == 0)
+        return turns_of(event.identity.shares.back()).take(event);
+    auto found = named(event, count);
     auto& key = found.first;
     auto& answer = found.second;
     const auto known = answers_.find(key);
@@ -73,6 +76,17 @@ bool AnswerFilter::first(const Event& event)
     if (const auto owed = before->owed.lock(); owed && event.identity.lossless)
         owed->hold(event.ticket.owed());
     return false;
+}
+
+TakenTurns& AnswerFilter::turns_of(const Share& share)
+{
+    constexpr std::size_t most = 64;
+    const auto found = std::ranges::find_if(turns_, [&](const TakenTurns& turns) { return turns.counts(share); });
+    if (found != turns_.end())
+        return *found;
+    if (turns_.size() == most)
+        turns_.pop_front();
+    return turns_.emplace_back(share);
 }
 
 /// The key of the work that the event answers, and the answer.

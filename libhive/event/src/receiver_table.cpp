@@ -146,10 +146,12 @@ Welcome ReceiverTable::seat(const Newcomer& newcomer, Clock::time_point now, Dec
 
 ReceiverTable::Group& ReceiverTable::group_named(const std::string& name)
 {
-    const Subscription::Kind kind{.shared_as = output_ + "#" + name,
-                                  .epoch = epoch_,
-                                  .earlier_jobs = forgotten_jobs_,
-                                  .redelivers = defences_.leases};
+    const auto forgotten = forgotten_turns_.find(name);
+    const Subscription::Kind kind{
+        .shared_as = output_ + "#" + name,
+        .epoch = epoch_,
+        .earlier_jobs = forgotten == forgotten_turns_.end() ? least_turn_ : std::max(least_turn_, forgotten->second),
+        .redelivers = defences_.leases};
     return groups_.try_emplace(name, Group{.subscription = Subscription(kind)}).first->second;
 }
 
@@ -375,7 +377,11 @@ void ReceiverTable::forget_empty_groups(Decisions& decisions)
     for (auto oldest = empty.begin(); empty.size() > max_empty_groups; oldest = empty.erase(oldest)) {
         auto& subscription = groups_.at(oldest->second).subscription;
         subscription.give_up(decisions);
-        forgotten_jobs_ = std::max(forgotten_jobs_, subscription.standing().turn);
+        forgotten_turns_[oldest->second] = subscription.standing().turn;
+        if (forgotten_turns_.size() > max_forgotten_groups) {
+            least_turn_ = std::max(least_turn_, forgotten_turns_.begin()->second);
+            forgotten_turns_.erase(forgotten_turns_.begin());
+        }
         groups_.erase(oldest->second);
     }
 }

@@ -36,7 +36,7 @@ struct SwarmOutcome {
     std::vector<SwarmStep> steps;        ///< done; after a failure, those that would have been
     std::vector<SwarmFailure> failures;  ///< empty: all is done
     std::vector<SwarmFailure> remains;   ///< what could not be undone; without failures, what could not be stopped
-    std::vector<SwarmFailure> silent{};  ///< drones of this machine that hang: up() left them and their connections
+    std::vector<SwarmFailure> silent{};  ///< drones that do not answer, which up() has not changed
 };
 
 /// How the caller follows and cancels long work.
@@ -62,9 +62,10 @@ public:
     std::vector<SwarmStep> differences(const SwarmWatch& watch = {});
     /// Starts missing drones and waits until they answer, restarts drones if only a new process can match the plan,
     /// then changes, sets, connects, disconnects and stops what differs: all or (after a failure, or when cancelled)
-    /// nothing. A second call changes nothing. A drone that hangs does not hold up the others: it is in `silent`. A
-    /// drone of the plan that this swarm did not bring up is connected, and otherwise unchanged unless the plan has
-    /// `change_if_shared`. One process at a time changes a swarm: others wait, and throw Errc::locked after `timeout`.
+    /// nothing. A second call changes nothing. A drone that does not answer in time does not block the others: it is in
+    /// `silent`. A drone of the plan that this swarm did not bring up is connected, and otherwise unchanged unless the
+    /// plan has `change_if_shared`. One process at a time changes a swarm: others wait, and throw Errc::locked after
+    /// `timeout`.
     /// @param timeout  for the right to change the swarm, and then for all drones to be ready
     SwarmOutcome up(std::chrono::milliseconds timeout, const SwarmWatch& watch = {});
     /// Stops all drones that this swarm brought up: sources first, and each drone once its events are delivered.

@@ -150,8 +150,8 @@ Started replace(Application& application, StartOptions options)
         throw Error(Errc::refused,
                     place.drone + " at " + place.address
                         + " was not started through ssh, so only hivectl on its own machine can replace it",
-                    "there: hivectl replace " + place.drone
-                        + ", or, if a swarm file has it, change the file, and: hivectl up FILE");
+                    "on that machine: hivectl replace " + place.drone
+                        + "; for a drone of a swarm file, change the file: hivectl up FILE");
     std::int64_t killed = 0;
     if (order.force && is_here(place)) {
         const event::Home home(application.home());

@@ -44,8 +44,15 @@ std::vector<std::string> drones_of(const std::vector<SwarmStep>& steps, What wha
 
 bool is_cancelled(const SwarmWatch& watch) { return watch.cancelled && watch.cancelled(); }
 
+void append(std::vector<SwarmFailure>& all, std::vector<SwarmFailure> more)
+{
+    std::ranges::move(more, std::back_inserter(all));
+}
+
 /// Connections that follow one another are made at once, up to as many as may be made before the caller can cancel.
-std::vector<SwarmFailure> change(swarm::Changes& changes, std::span<const SwarmStep> steps, const SwarmWatch& watch)
+/// @param busy  drones that do not apply their values in time, since their code hangs; the others go on
+std::vector<SwarmFailure> change(swarm::Changes& changes, std::span<const SwarmStep> steps, const SwarmWatch& watch,
+                                 std::vector<SwarmFailure>& busy)
 {
     constexpr std::size_t max_at_once = 256;
     const auto all = steps.size();
@@ -57,18 +64,16 @@ std::vector<SwarmFailure> change(swarm::Changes& changes, std::span<const SwarmS
         const auto connections = static_cast<std::size_t>(other - steps.begin());
         const auto next = steps.first(std::clamp<std::size_t>(connections, 1, max_at_once));
         if (const auto what = next.front().what; what != What::start && what != What::restart && what != What::stop)
-            if (auto failures = changes.make(next); !failures.empty())
-                return failures;
+            if (auto failures = changes.make(next); !failures.empty()) {
+                if (what != What::set || failures.front().error.code() != Errc::timeout)
+                    return failures;
+                append(busy, std::move(failures));
+            }
         steps = steps.subspan(next.size());
         if (watch.on_progress)
             watch.on_progress(all - steps.size(), all, "wired");
     }
     return {};
-}
-
-void append(std::vector<SwarmFailure>& all, std::vector<SwarmFailure> more)
-{
-    std::ranges::move(more, std::back_inserter(all));
 }
 
 /// Throws if a drone cannot be started from here, before anything is changed.
@@ -149,7 +154,7 @@ std::vector<SwarmStep> Swarm::differences(const SwarmWatch& watch)
         swarm::differences(application_, plan_, swarm::Record(application_.home(), plan_.name).read(), watch.told);
     for (const auto& [drone, error] : differences.silent)
         if (watch.told)
-            watch.told(error.what());
+            watch.told(error.what() + ("; " + error.advice()));
     require_engines(application_, plan_, differences.steps);
     return differences.steps;
 }
@@ -176,7 +181,11 @@ SwarmOutcome Swarm::up(std::chrono::milliseconds timeout, const SwarmWatch& watc
         outcome.failures = {{plan_.name, error}};
     }
     if (outcome.failures.empty())
-        outcome.failures = change(changes, outcome.steps, watch);
+        outcome.failures = change(changes, outcome.steps, watch, outcome.silent);
+    std::erase_if(outcome.steps, [&](const SwarmStep& step) {
+        return step.what == What::set
+               && std::ranges::find(outcome.silent, step.drone, &SwarmFailure::drone) != outcome.silent.end();
+    });
     if (!outcome.failures.empty()) {
         if (watch.told && (is_cancelled(watch) || starts_elsewhere(plan_, outcome.steps)))
             watch.told(std::string(is_cancelled(watch) ? "interrupted: " : "")
@@ -188,9 +197,11 @@ SwarmOutcome Swarm::up(std::chrono::milliseconds timeout, const SwarmWatch& watc
     } else {
         outcome.remains = swarm::failures_in(application_.stop(drones_of(outcome.steps, What::stop), plan_.name));
     }
-    if (!outcome.remains.empty() || !outcome.silent.empty())
+    if (!outcome.failures.empty() && !outcome.remains.empty())
         return outcome;
-    const auto& now = outcome.failures.empty() ? plan_ : before;
+    const auto now = outcome.failures.empty()
+                         ? swarm::with_rest_of(plan_, swarm::part_of(before, outcome.remains, outcome.silent))
+                         : before;
     is_empty(now) ? record.forget() : record.write(now);
     if (watch.told && outcome.failures.empty())
         report_conditions(application_, outcome.steps, watch);

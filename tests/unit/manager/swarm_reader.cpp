@@ -394,6 +394,9 @@ TEST_CASE("swarm file: a missing key file is found where a drone names it or nee
                      + get + "/nowhere/swarm.key\n");
         CHECK_EQ(drone(more + ", \"on\": \"m1\", \"insecure\": true"), "");
     }
+    const auto by_glob = mistakes(with("\"a\": {\"kind\": \"camera\"}", "\"engines\": {\"*\": {\"slurm\": {}}}"), known,
+                                  {.to_be_started = true});
+    CHECK(by_glob.starts_with("2:"));
     unsetenv("HIVE_KEY");
 }
 

@@ -46,7 +46,7 @@ std::string variable(const std::string& name)
     return value ? value : "";
 }
 
-/// Of a heterogeneous job: each has nodes of its own, and an id; 0: the job is of one piece.
+/// The number of components of a heterogeneous job, each with its own nodes and id; 0: the job is not heterogeneous.
 int components() { return std::atoi(variable("SLURM_HET_SIZE").c_str()); }
 
 bool is_of_this_job(const std::string& step)
@@ -84,7 +84,7 @@ private:
     };
 
     bool find_node(std::vector<Report>& reports);
-    std::optional<std::string> told_by(const std::vector<std::string>& command);
+    std::optional<std::string> query(const std::vector<std::string>& command, const std::string& failure);
     void start(const SwarmDrone& drone, std::vector<Report>& reports);
     [[nodiscard]] std::vector<std::string> words_of(SwarmDrone drone, int port) const;
     [[nodiscard]] int free_port(const SwarmDrone& drone) const;
@@ -159,8 +159,8 @@ std::vector<int> SlurmEngine::descriptors()
     return all;
 }
 
-/// The output of a command of Slurm, empty if it fails; nothing while it runs.
-std::optional<std::string> SlurmEngine::told_by(const std::vector<std::string>& command)
+/// The output of a command of Slurm; nothing while it runs. Throws `failure`.
+std::optional<std::string> SlurmEngine::query(const std::vector<std::string>& command, const std::string& failure)
 {
     if (!asking_)
         asking_.emplace(command, slurm_timeout);
@@ -168,29 +168,32 @@ std::optional<std::string> SlurmEngine::told_by(const std::vector<std::string>& 
     if (!result)
         return std::nullopt;
     asking_.reset();
-    return result->exit_code == 0 ? result->out : "";
+    if (result->late || result->exit_code != 0)
+        throw Error(Errc::not_found, failure + ": " + last_line(result->out + result->err));
+    return result->out;
 }
 
 /// Queries Slurm for the node's address and its component of the job. False until they are known.
 bool SlurmEngine::find_node(std::vector<Report>& reports)
 try {
+    const auto no_node = "Slurm has no node " + node_;
     if (address_.empty() && !waiting_.empty()) {
-        const auto told = told_by({"scontrol", "-o", "show", "node", node_});
+        const auto told = query({"scontrol", "-o", "show", "node", node_}, no_node);
         if (!told)
             return false;
         address_ = address_in(*told);
         if (address_.empty())
-            throw Error(Errc::not_found, "Slurm has no node " + node_, "see them: sinfo -N");
+            throw Error(Errc::not_found, no_node, "see them: sinfo -N");
     }
     if (components() > 0 && component_.empty() && !waiting_.empty()) {
+        const auto failure = "no component of the job " + job_ + " has the node " + node_;
         const auto told =
-            told_by({"squeue", "--jobs=" + job_, "--nodelist=" + node_, "--noheader", "--format=%i"});  // "JOB+1"
+            query({"squeue", "--jobs=" + job_, "--nodelist=" + node_, "--noheader", "--format=%i"}, failure);
         if (!told)
             return false;
-        const auto plus = told->find('+');
+        const auto plus = told->find('+');  // of "JOB+1"
         if (plus == std::string::npos)
-            throw Error(Errc::not_found, "no component of the job " + job_ + " has the node " + node_,
-                        "see them: squeue --jobs=" + job_);
+            throw Error(Errc::not_found, failure, "see them: squeue --jobs=" + job_);
         component_ = told->substr(plus + 1, told->find_first_not_of("0123456789", plus + 1) - plus - 1);
     }
     return true;
@@ -223,7 +226,8 @@ std::vector<std::string> SlurmEngine::words_of(SwarmDrone drone, int port) const
     const auto command = command_of(drone.kind);
     std::vector<std::string> words{"srun", "--jobid=" + job_, "--nodes=1", "--ntasks=1"};
     words.insert(words.end(), {"--nodelist=" + node_, "--job-name=" + drone.name, "--input=none", "--quiet"});
-    if (!component_.empty())
+    const auto chosen = [](const std::string& option) { return option.starts_with("--het-group"); };
+    if (!component_.empty() && std::ranges::none_of(options_, chosen))
         words.push_back("--het-group=" + component_);
     words.insert(words.end(), options_.begin(), options_.end());
     std::ranges::move(step_amounts(drone), std::back_inserter(words));

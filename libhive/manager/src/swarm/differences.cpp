@@ -184,8 +184,12 @@ std::vector<SwarmStep> RunningDrones::add_to(Differences& all)
         }
     const auto answers = application_.asked(names);
     for (std::size_t i = 0; i < drones.size(); ++i) {
-        if (answers[i].error)
+        if (answers[i].error && answers[i].error->code() != Errc::timeout)
             throw *answers[i].error;
+        if (answers[i].error) {
+            all.silent.push_back({names[i], *answers[i].error});
+            continue;
+        }
         if (drones[i].restart && !drones[i].shared)
             add_restart(drones[i], answers[i].result, all);
         if (drones[i].other_kind)
@@ -248,10 +252,23 @@ void add_ends(Differences& all, const SwarmPlan& plan, const SwarmPlan& before, 
             all.steps.push_back({.what = SwarmStep::What::stop, .drone = old.name});
 }
 
-Error left_as_it_is(const std::string& drone)
+/// @param advice  empty: it is another swarm's to end it
+Error unchanged(const std::string& drone, const std::string& advice)
 {
-    return {Errc::timeout, drone + " does not answer, so it is left as it is",
-            "to kill it and start it again: hivectl replace " + drone + " --force"};
+    return {Errc::timeout, drone + " does not answer, so it and its connections are unchanged",
+            advice.empty() ? "see: hivectl explain " + drone : advice};
+}
+
+void add_silent(Differences& all, const SwarmPlan& plan, const Present& present)
+{
+    for (const auto& [drone, swarm] : present.silent())
+        if (plan.drone(drone))
+            all.silent.push_back(
+                {drone,
+                 unchanged(drone,
+                           swarm == plan.name ? "to kill and restart it: hivectl replace " + drone + " --force" : "")});
+        else if (swarm == plan.name)
+            all.silent.push_back({drone, unchanged(drone, "to stop it: hivectl stop " + drone)});
 }
 
 /// Reports which drones of other swarms are used, and what is left unchanged in them.
@@ -283,8 +300,7 @@ Differences differences(Application& application, const SwarmPlan& plan, const S
     all.ran.drones.clear();
     all.ran.connections.clear();
     std::ranges::copy(plan.engines, std::back_inserter(all.ran.engines));
-    for (const auto& drone : present.silent())
-        all.silent.push_back({drone, left_as_it_is(drone)});
+    add_silent(all, plan, present);
     for (const auto& drone : plan.drones)
         if (!present.find(drone.name) && !present.silent().contains(drone.name))
             all.steps.push_back({.what = SwarmStep::What::start, .drone = drone.name});

@@ -14,7 +14,7 @@ struct Differences {
     SwarmPlan wanted;                     ///< the plan, plus what the drones to be restarted have in addition
     SwarmPlan ran;                        ///< the drones to be restarted and their connections, as they run now
     std::vector<SwarmConnection> kept{};  ///< those of these connections that the restarted drones need again
-    std::vector<SwarmFailure> silent{};   ///< they hang: neither they nor their connections are changed
+    std::vector<SwarmFailure> silent{};   ///< neither they nor their connections are changed
 };
 
 /// @param before  the plan that was brought up last: what only that plan has is stopped or returns to its default; what

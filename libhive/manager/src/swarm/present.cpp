@@ -5,6 +5,7 @@
 #include "../inquiry.hpp"
 
 #include <hive/event/clock.hpp>
+#include <hive/event/home.hpp>
 #include <hive/program.hpp>
 #include <hive/transport/listen_address.hpp>
 
@@ -17,6 +18,13 @@ namespace {
 bool meets(const Endpoint& one, const Endpoint& other)
 {
     return one.drone == other.drone && (one.port == other.port || one.port.empty() || other.port.empty());
+}
+
+std::string saved_swarm(const event::Home& home, const std::string& drone)
+try {
+    return home.read_state(drone).value_or(Json::object()).value("swarm", "");
+} catch (const std::exception&) {
+    return "";  // unreadable
 }
 
 }  // namespace
@@ -34,7 +42,7 @@ Present::Present(Application& application, const std::vector<std::string>& drone
             else if (answer.error->code() == Errc::unreachable && is_here(answer.place) && event::Clock::now() < end)
                 begun.push_back(answer.drone);
             else if (answer.error->code() == Errc::timeout && is_here(answer.place))
-                silent_.insert(answer.drone);
+                silent_.emplace(answer.drone, saved_swarm(event::Home(application.home()), answer.drone));
             else if (answer.error->code() != Errc::not_found && is_here(answer.place))
                 throw *answer.error;
         asked = std::move(begun);

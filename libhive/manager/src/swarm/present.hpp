@@ -4,7 +4,6 @@
 #include <hive/swarm.hpp>
 
 #include <map>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -19,8 +18,8 @@ public:
 
     /// Null: not running, or silent.
     [[nodiscard]] const StatusAnswer* find(const std::string& drone) const;
-    /// The drones of this machine that run and do not answer.
-    [[nodiscard]] const std::set<std::string>& silent() const noexcept { return silent_; }
+    /// The drones of this machine that run and do not answer, and the swarm of each, as far as that is saved.
+    [[nodiscard]] const std::map<std::string, std::string>& silent() const noexcept { return silent_; }
     /// The connection of an input from an output, if there is one; an empty port stands for any.
     [[nodiscard]] const InputStatus* connection(const SwarmConnection& connection) const;
     /// Those from or to this drone, if their receivers were queried.
@@ -28,7 +27,7 @@ public:
 
 private:
     std::map<std::string, StatusAnswer> answers_;
-    std::set<std::string> silent_;
+    std::map<std::string, std::string> silent_;
 };
 
 /// Do both connect the same output to the same input?

@@ -7,6 +7,7 @@
 #include <hive/name.hpp>
 
 #include <algorithm>
+#include <array>
 #include <fstream>
 #include <sstream>
 
@@ -111,6 +112,23 @@ SwarmPlan with_rest_of(SwarmPlan plan, const SwarmPlan& before)
         if (std::ranges::none_of(plan.engines, [&](const auto& kept) { return kept.first == engine.first; }))
             plan.engines.push_back(engine);
     drop_unused_engines(plan);
+    std::erase_if(plan.connections, [&](const SwarmConnection& connection) {
+        return !plan.drone(connection.from.drone) || !plan.drone(connection.to.drone);
+    });
+    return plan;
+}
+
+SwarmPlan part_of(SwarmPlan plan, const std::vector<SwarmFailure>& remains, const std::vector<SwarmFailure>& silent)
+{
+    const auto is_left = [&](const std::string& drone) {
+        return std::ranges::any_of(std::array{&remains, &silent}, [&](const auto* list) {
+            return std::ranges::find(*list, drone, &SwarmFailure::drone) != list->end();
+        });
+    };
+    std::erase_if(plan.drones, [&](const SwarmDrone& drone) { return !is_left(drone.name); });
+    std::erase_if(plan.connections, [&](const SwarmConnection& connection) {
+        return !is_left(connection.from.drone) && !is_left(connection.to.drone);
+    });
     return plan;
 }
 

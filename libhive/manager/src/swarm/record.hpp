@@ -35,6 +35,9 @@ private:
 /// The first plan, plus what only the second has: that stays recorded until all of it is stopped.
 SwarmPlan with_rest_of(SwarmPlan plan, const SwarmPlan& before);
 
+/// The drones of a plan that could not be stopped or changed, and their connections to drones that still run.
+SwarmPlan part_of(SwarmPlan plan, const std::vector<SwarmFailure>& remains, const std::vector<SwarmFailure>& silent);
+
 /// The record after a failed `down`: the drones that it could not stop, which must not be restarted.
 SwarmPlan not_ended(SwarmPlan plan, const std::vector<SwarmFailure>& failures);
 

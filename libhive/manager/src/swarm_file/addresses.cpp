@@ -144,8 +144,10 @@ void Reader::check_keys()
     }
     const auto found = std::ranges::find_if(
         read_entries_, [&](const Entry& entry) { return !entry.drone.insecure && starts_elsewhere(entry); });
-    if (const auto problem = found == read_entries_.end() ? std::nullopt : problem_of_own_key())
-        mistakes_.at_value(found->value.member("on", *found->value.place->member("on")), *problem);
+    if (const auto problem = found == read_entries_.end() ? std::nullopt : problem_of_own_key()) {
+        const auto* on = found->value.place->member("on");
+        on ? mistakes_.at_value(found->value.member("on", *on), *problem) : mistakes_.at_key(found->value, *problem);
+    }
 }
 
 }  // namespace hive::swarm_file

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <hive/event.hpp>
+#include <hive/event/taken_turns.hpp>
 
 #include <deque>
 #include <memory>
@@ -46,10 +47,12 @@ private:
     static bool includes(const Answer& whole, const Answer& part);
     void remember(std::string key, Answer answer);
 
+    TakenTurns& turns_of(const Share& share);
     void forget_oldest();
     static std::size_t size_of(const std::string& key, const Answer& answer);
 
     using Answers = std::unordered_map<std::string, std::vector<Answer>>;
+    std::deque<TakenTurns> turns_;        ///< of events that are no answers
     bool off_;                            ///< by a test that shows its purpose
     Answers answers_;                     ///< accepted ones, by the beginning and the end of their work
     std::deque<Answers::pointer> order_;  ///< one for each answer

@@ -65,9 +65,10 @@ class ReceiverTable {
 public:
     using Id = ReceiverId;
 
-    static constexpr std::size_t max_empty_groups = 16;  ///< remembered, with their turns and waiting events
-    static constexpr std::size_t max_gone = 64;          ///< receivers that left or were lost, whose counts are kept
-    static constexpr std::size_t max_awaited = 256;      ///< receivers, and groups, for which the source waits
+    static constexpr std::size_t max_forgotten_groups = 1024;  ///< whose last turn is remembered
+    static constexpr std::size_t max_empty_groups = 16;        ///< remembered, with their turns and waiting events
+    static constexpr std::size_t max_gone = 64;      ///< receivers that left or were lost, whose counts are kept
+    static constexpr std::size_t max_awaited = 256;  ///< receivers, and groups, for which the source waits
 
     struct Row {
         Id id;  ///< 0: a group, or a receiver without a current registration
@@ -212,7 +213,9 @@ private:
     bool ended_ = false;
     std::int64_t unreceived_ = 0;
     std::uint64_t order_ = 0;
-    std::int64_t forgotten_jobs_ = 0;  ///< of a forgotten group, at most: no turn of a name is used twice in a run
+    std::map<std::string, std::int64_t>
+        forgotten_turns_;          ///< the last of each forgotten group, which goes on from there
+    std::int64_t least_turn_ = 0;  ///< from which all others go on
 };
 
 }  // namespace hive::event

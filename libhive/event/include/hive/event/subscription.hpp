@@ -70,7 +70,7 @@ public:
         bool passive = false;        ///< the source waits for none of its consumers
         /// Count live events, too, that a disconnected application misses within 30 s.
         bool application = false;
-        std::int64_t earlier_jobs = 0;  ///< at most so many had a subscription of this name in this run, now forgotten
+        std::int64_t earlier_jobs = 0;  ///< of a forgotten subscription of this name, in this run
         bool redelivers = true;         ///< false in tests that show the purpose of redelivery
     };
     /// Lossless events that an absent consumer missed, in the last run of their source.
