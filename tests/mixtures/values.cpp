@@ -23,14 +23,14 @@ bool fits(const Settings& settings, const Change& change)
         change.drones, [&](const auto& drone) { return changed.at(drone).work_ms <= changed.at(drone).most_ms; });
 }
 
-void apply(std::vector<Settings>& states, const Change& change, Told told)
+void apply(std::set<Settings>& states, const Change& change, Told told)
 {
-    std::vector<Settings> after;
+    std::set<Settings> after;
     for (const auto& state : states) {
         if (told != Told::refused && fits(state, change))
-            after.push_back(with(state, change));
+            after.insert(with(state, change));
         if (told != Told::applied)
-            after.push_back(state);
+            after.insert(state);
     }
     states = std::move(after);
 }
@@ -44,7 +44,7 @@ std::string words(const Settings& settings)
     return text;
 }
 
-std::string words(const std::vector<Settings>& states)
+std::string words(const std::set<Settings>& states)
 {
     std::string text;
     for (const auto& state : states)
@@ -56,8 +56,12 @@ std::string words(const std::vector<Settings>& states)
 
 void Values::began(const std::string& drone, Setting setting)
 {
-    for (auto& state : possible_)
+    std::set<Settings> begun;
+    for (auto state : possible_) {
         state[drone] = setting;
+        begun.insert(std::move(state));
+    }
+    possible_ = std::move(begun);
 }
 
 std::optional<std::string> Values::set(const Change& change, Told told, const std::string& killed)
@@ -73,12 +77,15 @@ std::optional<std::string> Values::set(const Change& change, Told told, const st
     }
     if (killed.empty())
         return std::nullopt;
-    for (const auto& state : std::vector(possible_))
-        for (const auto& old : before)
-            for (const auto& value : {old.at(killed), with(old, change).at(killed)}) {
-                possible_.push_back(state);
-                possible_.back()[killed] = value;
-            }
+    std::set<Setting> values;
+    for (const auto& old : before)
+        values.insert({old.at(killed), with(old, change).at(killed)});
+    for (const auto& state : std::set(possible_))
+        for (const auto& value : values) {
+            auto other = state;
+            other[killed] = value;
+            possible_.insert(std::move(other));
+        }
     return std::nullopt;
 }
 
@@ -89,7 +96,7 @@ void Values::set_both(const Change& one, Told told_one, const Change& other, Tol
     apply(possible_, other, told_other);
     apply(other_first, other, told_other);
     apply(other_first, one, told_one);
-    possible_.insert(possible_.end(), other_first.begin(), other_first.end());
+    possible_.merge(other_first);
 }
 
 std::optional<std::string> Values::found(const Settings& actual)

@@ -1,8 +1,10 @@
 // Which values the workers' parameters may have, after what was set and what was answered.
 #pragma once
 
+#include <compare>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -10,7 +12,7 @@ namespace hive::mixtures {
 
 struct Setting {
     int work_ms = 0, most_ms = 0;
-    bool operator==(const Setting&) const = default;
+    auto operator<=>(const Setting&) const = default;
 };
 using Settings = std::map<std::string, Setting>;  ///< by drone
 
@@ -38,7 +40,7 @@ public:
     std::optional<std::string> found(const Settings& actual);
 
 private:
-    std::vector<Settings> possible_{Settings{}};
+    std::set<Settings> possible_{Settings{}};
 };
 
 }  // namespace hive::mixtures

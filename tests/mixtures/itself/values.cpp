@@ -70,3 +70,16 @@ TEST_CASE("mixtures: a drone that was killed in a set has the old values or the 
     CHECK_FALSE(values.set({both, 5, {}}, Told::applied, "a"));
     CHECK(values.found({{"b", {1, 20}}}));
 }
+
+TEST_CASE("values: drones that are killed in a set again and again leave no more states than there are")
+{
+    Values values;
+    for (const auto* drone : {"a1", "a2"})
+        values.began(drone, {2, 8});
+    for (int i = 0; i < 40; ++i) {
+        const Change change{.drones = {"a1", "a2"}, .work_ms = 2 + i % 3, .most_ms = 8};
+        CHECK_FALSE(values.set(change, Told::unknown, i % 2 == 0 ? "a1" : "a2"));
+    }
+    CHECK_FALSE(values.found({{"a1", {4, 8}}, {"a2", {2, 8}}}));
+    CHECK(values.found({{"a1", {4, 8}}, {"a2", {3, 8}}}));
+}
