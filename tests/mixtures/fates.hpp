@@ -8,9 +8,8 @@
 
 namespace hive::mixtures {
 
-/// fates: nothing is lost at a drone that was killed, or left, if no order or fault has killed it or ended its
-/// connection; nothing is cut off unless somebody was frozen or not heard; and no event is given up unless one of
-/// these has happened.
+/// fates: events are lost at a killed or leaving drone only if an order or a fault has killed it or ended its
+/// connection; they are cut off only if a drone was frozen or unheard; an event is given up only after one of these.
 class Fates {
 public:
     /// Has the network ended a connection of these two as if one had died?

@@ -123,7 +123,7 @@ void Model::before(const Step& step, Time now)
         left(step.sender, step.drone, has_another(step.sender, step.drone, true));
 }
 
-/// Of members that share, others do the work.
+/// A shared stage is excused only if none of its members runs.
 void Model::excuse_stage_of(const std::string& drone)
 {
     const auto& stage = topology_.stages.at(topology_.stage_of(drone));

@@ -95,7 +95,7 @@ private:
     std::vector<Excuse> excuses_;
     bool began_anew_ = false;          ///< some drone did
     std::set<std::string> cut_short_;  ///< drones that may have given up events and not acknowledged them
-    std::set<std::string> died_;       ///< drones of which a process has ended without that its peers were told
+    std::set<std::string> died_;       ///< drones whose process was killed or replaced
     std::map<std::string, Time> dead_since_;
     std::chrono::milliseconds parted_{0};  ///< the machines, since everything was connected
     std::set<std::string> stopped_;        ///< drones that have forgotten what they were told, and for whom they worked

@@ -99,7 +99,7 @@ TEST_CASE("mixtures: a kill, a halt and leaving a group are no excuse")
     CHECK(model.excused() == std::vector<std::string>{"a1"});
 }
 
-TEST_CASE("mixtures: the machines are parted twice, and the times add up if nobody could reconnect in between")
+TEST_CASE("mixtures: the times of two partitions add up if no drone could reconnect in between")
 {
     for (const bool checked : {false, true}) {
         auto model = begun({plain({"a1"})});
