@@ -2,9 +2,13 @@
 #include "measure.hpp"
 #include "status_sums.hpp"
 
+#include <hive/event/home.hpp>
+
 #include <doctest/doctest.h>
+#include <raw_peer.hpp>
 
 #include <algorithm>
+#include <thread>
 
 using namespace hive::test;
 using namespace std::chrono_literals;
@@ -54,6 +58,36 @@ TEST_CASE("connect: an unknown drone is exit code 3 with the nearest name, an un
     const auto no_port = swarm.hivectl({"connect", "camera-left.tock", "worker"});
     CHECK(no_port.exit_code == 3);
     CHECK(has(no_port.err, "did you mean tick"));
+}
+
+TEST_CASE("connect: a receiver that cuts off who asks, since it took it for dead, is asked again")
+{
+    const Swarm swarm;
+    const auto source = swarm.drone("ticker", "source");
+    const auto worker = swarm.drone("sleeper", "worker");
+    const Json interface = raw::Peer::meet(swarm.home() / "worker.sock").ask(raw::describe).at("result");
+    const hive::event::NameClaim claim(hive::event::Home(swarm.home()), "busy");
+    raw::Listener listener(swarm.home() / "busy.sock");
+    std::thread busy([&] {
+        const auto meet = [&] {
+            auto asker = listener.accept();
+            asker->send(raw::hello_packet("busy", "sleeper"));
+            return asker;
+        };
+        const auto answer = [](raw::Peer& asker, int type, const Json& result) {
+            const Json id = asker.next_of(type)->json().at("id");
+            asker.send(raw::packet(raw::confirmation, 0, Json{{"id", id}, {"result", result}}.dump()));
+        };
+        auto asker = meet();
+        answer(*asker, raw::describe, interface);
+        static_cast<void>(asker->next_of(raw::connect));
+        asker.reset();
+        asker = meet();
+        answer(*asker, raw::connect, Json::object());
+    });
+    auto application = swarm.application();
+    CHECK_NOTHROW(application.connect({"source", "tick"}, {"busy", "image"}));
+    busy.join();
 }
 
 TEST_CASE("connect: a drone that keeps state is refused in a group with exit code 5, and taken alone")

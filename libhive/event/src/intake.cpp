@@ -12,8 +12,9 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto dial_timeout = 3s;       // for one attempt to dial and register
-constexpr int most_first_attempts = 3;  // of packets that a bad network loses, those of the next one may arrive
+constexpr auto dial_timeout = 3s;  // for one attempt to dial and register
+constexpr int most_unreachable =
+    3;  // first attempts: of packets that a bad network loses, those of the next one may arrive
 constexpr auto short_break = 10s;  // after a loss retries are frequent for this long: most networks are back by then
 constexpr auto dial_timeout_in_break = 600ms;  // for one attempt to dial then, plus six round trips
 constexpr auto pause_after_refusal = 1s;       // the sender is up, and would refuse again
@@ -55,7 +56,7 @@ void Intake::start(OnOutcome first, Clock::time_point until)
 {
     first_ = std::move(first);
     first_until_ = until;
-    unanswered_ = 0;
+    unreachable_ = 0;
     attempt();
 }
 
@@ -238,7 +239,10 @@ void Intake::keep_time()
 void Intake::failed(const Error& error)
 {
     problem_ = error;
-    if (refusal() || ++unanswered_ == most_first_attempts || Clock::now() + dial_timeout >= first_until_) {
+    // A sender that says nothing may be busy: only the deadline decides.
+    if (error.code() == Errc::unreachable)
+        ++unreachable_;
+    if (refusal() || unreachable_ == most_unreachable || Clock::now() + dial_timeout >= first_until_) {
         if (before_)
             spec_.options = *std::exchange(before_, std::nullopt);
         answer(error);

@@ -21,10 +21,11 @@ constexpr int max_of_one = 16;          ///< requests to one drone at once: it r
 constexpr std::size_t most_typed = 16;  ///< names that a person may have typed
 constexpr std::array<std::string_view, 2> left_by_crash{".state", ".crash"};
 
-bool changes_nothing(protocol::PacketType type)
+/// A second one is answered as the first one would have been.
+bool may_be_repeated(protocol::PacketType type)
 {
     using enum protocol::PacketType;
-    return type == get || type == describe || type == status;
+    return type == get || type == describe || type == status || type == connect;
 }
 
 /// Drones keep counters per name, so every application has its own, even in one process.
@@ -174,7 +175,7 @@ struct Application::Core::Asking {
 Application::Core::Reply Application::Core::send(const Place& place, protocol::PacketType type, const Json& header,
                                                  const Body& body, event::Clock::time_point until)
 {
-    const auto asking = std::make_shared<Asking>(Asking{place, type, header, body, until, changes_nothing(type)});
+    const auto asking = std::make_shared<Asking>(Asking{place, type, header, body, until, may_be_repeated(type)});
     module.loop().perform([this, asking] { begin(asking); });
     return asking->reply;
 }

@@ -51,8 +51,8 @@ public:
 
     /// Counts an event that did not arrive over this connection, and passes it on.
     void accept(Event event);
-    /// Dials and registers. `first` gets the outcome of the first attempt that is answered, or of the third; of the
-    /// first one if there is no time for another one until then. Later losses are repaired silently.
+    /// Dials and registers. `first` gets the outcome of the first attempt that is answered, of the third that does not
+    /// reach the sender, or of the last one for which there is time. Later losses are repaired silently.
     void start(OnOutcome first, Clock::time_point until = {});
     /// Starts again with other options at the same place, so that nothing is lost or repeated. Until the sender
     /// confirms them, and if it does not, the old options stay. For a connected intake that neither is nor becomes a
@@ -152,7 +152,7 @@ private:
     std::function<void()> on_end_;
     OnOutcome first_;
     Clock::time_point first_until_;            ///< its deadline; 0: it gets the outcome of the first attempt
-    int unanswered_ = 0;                       ///< attempts
+    int unreachable_ = 0;                      ///< first attempts that ended so
     std::optional<ConnectionOptions> before_;  ///< the options, while they are being changed
     Backoff backoff_, quick_backoff_;
     std::optional<Clock::time_point> lost_;  ///< since when it has been disconnected
