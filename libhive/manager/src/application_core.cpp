@@ -168,29 +168,36 @@ struct Application::Core::Asking {
     Json header;
     Body body;
     event::Clock::time_point until;
-    bool again;  ///< retry if the connection ends before the answer
+    int attempts = 0;
     Reply reply = std::make_shared<std::optional<event::Outcome>>();
 };
 
 Application::Core::Reply Application::Core::send(const Place& place, protocol::PacketType type, const Json& header,
                                                  const Body& body, event::Clock::time_point until)
 {
-    const auto asking = std::make_shared<Asking>(Asking{place, type, header, body, until, may_be_repeated(type)});
+    const auto asking = std::make_shared<Asking>(Asking{place, type, header, body, until});
     module.loop().perform([this, asking] { begin(asking); });
     return asking->reply;
 }
 
-/// A replaced process closes its connections; a request to it is then retried at its successor.
+/// Again, if the connection was lost: a replaced process closes its connections, and so does a drone that has not heard
+/// of this process for a while, as on a busy machine.
+bool Application::Core::begin_again(const std::shared_ptr<Asking>& asking, const Error& error)
+{
+    constexpr int most_attempts = 5;
+    const bool again = error.code() == Errc::connection_lost && ++asking->attempts < most_attempts;
+    if (again)
+        module.post([this, asking] { begin(asking); });
+    return again;
+}
+
 void Application::Core::begin(const std::shared_ptr<Asking>& asking)
 {
     module.with_link(transport::parse_address(asking->place.address), asking->until,
                      [this, asking](const Result<event::LinkPtr>& found) {
                          const auto link = value_or_none(found);
                          if (const auto* failure = error_of(found)) {
-                             const bool lost = failure->code() == Errc::connection_lost;  // by the old process
-                             if (lost && std::exchange(asking->again, false))
-                                 module.post([this, asking] { begin(asking); });
-                             else
+                             if (!begin_again(asking, *failure))
                                  *asking->reply = *failure;
                          } else if (auto wrong = wrong_peer(asking->place, *link)) {
                              *asking->reply = *std::move(wrong);
@@ -199,10 +206,8 @@ void Application::Core::begin(const std::shared_ptr<Asking>& asking)
                              link->request(asking->type, asking->header, asking->body, asking->until,
                                            [this, asking](event::Outcome outcome) {
                                                const auto* error = std::get_if<Error>(&outcome);
-                                               const bool lost = error && error->code() == Errc::connection_lost;
-                                               if (lost && std::exchange(asking->again, false))
-                                                   module.post([this, asking] { begin(asking); });
-                                               else
+                                               if (!error || !may_be_repeated(asking->type)
+                                                   || !begin_again(asking, *error))
                                                    *asking->reply = std::move(outcome);
                                            });
                              module.arm();

@@ -83,6 +83,7 @@ private:
     void connect(std::vector<Wire> wires, std::vector<ConnectAnswer>& made);
     struct Asking;
     void begin(const std::shared_ptr<Asking>& asking);
+    bool begin_again(const std::shared_ptr<Asking>& asking, const Error& error);
     event::Outcome wait_for(const Reply& reply);  ///< takes the outcome: once
 };
 
