@@ -75,11 +75,17 @@ void Pipe::read(int end, asio::mutable_buffer into, std::shared_ptr<Operation> o
     go_on_writing(way, 1 - end);
 }
 
-void Pipe::arrive(Way& way, const std::string& bytes)
+void Pipe::arrive(Way& way, std::string bytes)
 {
-    const auto said = way.said ? way.said(bytes) : bytes;
-    way.unread += said.size() - bytes.size();
-    way.arrived += said;
+    if (way.said) {
+        way.unread -= bytes.size();
+        bytes = way.said(bytes);
+        way.unread += bytes.size();
+    }
+    if (way.arrived.empty())
+        way.arrived = std::move(bytes);
+    else
+        way.arrived += bytes;
 }
 
 void Pipe::give(Way& way)
@@ -115,9 +121,9 @@ std::size_t Pipe::write_now(int end, std::span<const asio::const_buffer> from)
     if (size > small)  // about 100 MB/s
         way.last = std::max(way.last, world().now()) + 10ns * size;
     if (size > 0)
-        later(end, [this, end, bytes = std::move(bytes)] {
+        later(end, [this, end, bytes = std::move(bytes)]() mutable {
             world().note(bytes);
-            arrive(ways_[end], bytes);
+            arrive(ways_[end], std::move(bytes));
             give(ways_[end]);
         });
     return size;

@@ -45,7 +45,7 @@ private:
         Process::Said said;
     };
     void later(int end, std::function<void()> what);
-    static void arrive(Way& way, const std::string& bytes);
+    static void arrive(Way& way, std::string bytes);
     static void give(Way& way);
     void go_on_writing(Way& way, int end);
 
