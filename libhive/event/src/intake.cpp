@@ -12,10 +12,9 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto dial_timeout = 3s;  // for one attempt to dial and register
-constexpr int most_unreachable =
-    3;  // first attempts: of packets that a bad network loses, those of the next one may arrive
-constexpr auto short_break = 10s;  // after a loss retries are frequent for this long: most networks are back by then
+constexpr auto dial_timeout = 3s;    // for one attempt to dial and register
+constexpr int most_unreachable = 3;  // first attempts: a bad network may lose the packets of one, and not of the next
+constexpr auto short_break = 10s;    // after a loss retries are frequent for this long: most networks are back by then
 constexpr auto dial_timeout_in_break = 600ms;  // for one attempt to dial then, plus six round trips
 constexpr auto pause_after_refusal = 1s;       // the sender is up, and would refuse again
 constexpr auto leave_timeout = 30s;            // for work in progress at a stop
