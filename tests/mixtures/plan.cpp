@@ -18,6 +18,7 @@ public:
           replaces_(plan.faults.contains(fault::replace)),
           parts_(plan.faults.contains(fault::part)),
           connects_(plan.faults.contains(fault::connect_all)),
+          two_die_(plan.faults.contains(fault::two_die)),
           condition_(topology_)
     {
     }
@@ -57,6 +58,8 @@ private:
 
     void one_of_many()
     {
+        if (two_die_ && random_.chance(35))
+            return two_die();
         std::vector<Step> choices;
         for (const auto& [drone, life] : condition_.lives())
             about(drone, life, choices);
@@ -199,6 +202,41 @@ private:
         add(std::move(step));
     }
 
+    /// The receiver has events in hand while it and its sender die: what they answered, acknowledged or gave up has
+    /// reached the drones beside them or not.
+    void two_die()
+    {
+        auto edges = topology_.edges();
+        std::erase_if(edges, [&](const Edge& edge) {
+            return !topology_.is_worker(edge.receiver) || !condition_.connected(edge.sender, edge.receiver)
+                   || condition_.life(edge.sender) != Life::up || condition_.life(edge.receiver) != Life::up;
+        });
+        if (edges.empty() || condition_.broken() > 0)
+            return;
+        const auto [sender, receiver, options] = random_.pick(edges);
+        const auto now = [&](Step step) {
+            condition_.follow(step);
+            steps_.push_back(std::move(step));
+        };
+        const int works = random_.between(50, random_.pick(std::vector{500, 1500, 6000}));
+        const int first = random_.between(0, 300);
+        const bool when_done = random_.chance(50);  // the answer is under way
+        const int second = when_done ? std::max(works - first, 0) + random_.between(0, 15)
+                                     : random_.between(0, random_.pick(std::vector{500, 2000, 6000}));
+        now({.verb = Verb::fail, .drone = receiver, .number = works, .second = static_cast<int>(Failure::lingers)});
+        feed();
+        now({.verb = Verb::kill, .drone = sender, .number = first});
+        const bool restarts = random_.chance(60);
+        if (restarts) {
+            now({.verb = Verb::start, .drone = sender});
+            feed();
+        }
+        now({.verb = Verb::kill, .drone = receiver, .number = second});
+        if (!restarts)
+            now({.verb = Verb::start, .drone = sender});
+        add({.verb = Verb::start, .drone = receiver});
+    }
+
     /// Whether it shares makes no difference to what a worker owes that is alone.
     bool may_regroup(const std::string& worker) const
     {
@@ -237,7 +275,7 @@ private:
 
     const Topology& topology_;
     Random& random_;
-    const bool forgets_, replaces_, parts_, connects_;
+    const bool forgets_, replaces_, parts_, connects_, two_die_;
     Condition condition_;
     std::map<std::string, int> frozen_ms_;
     std::vector<Step> steps_;

@@ -75,7 +75,7 @@ enum class Verb {
     connect,       ///< `sender` to `drone`; they may be connected
     change,        ///< the options of that connection: window `number`, and as `second` says (Topology::edge_of)
     disconnect,    ///< `sender` from `drone`
-    kill,          ///< SIGKILL
+    kill,          ///< SIGKILL, `number` ms after the step before
     start,         ///< after a kill or a stop
     freeze,        ///< SIGSTOP
     thaw,          ///< SIGCONT, not before `number` milliseconds have passed since the freeze
@@ -119,6 +119,7 @@ enum class Failure {
     halts,    ///< it throws, and the policy is `halt`
     crashes,  ///< in the middle of a callback
     hangs,    ///< the callback returns `number` ms later
+    lingers,  ///< so it does, and the next steps do not wait for it
 };
 std::string_view token(Failure failure) noexcept;
 
@@ -145,8 +146,10 @@ inline const std::string lie = "lie";                  ///< peers that are not i
 inline const std::string part = "part";                ///< steps of that name, on two machines
 inline const std::string replace = "replace";          ///< steps of that name
 inline const std::string silence = "silence";          ///< for a time, one drone does not hear another
-inline const std::set<std::string> all{bodies, clocks, clock_step, connect_all, crash_point, ends,   fail,
-                                       forget, join,   lie,        part,        replace,     silence};
+inline const std::string two_die = "two-die";          ///< a drone and one that it sends to, within one event's work
+inline const std::string unplug = "unplug";            ///< an application loses connections while it connects drones
+inline const std::set<std::string> all{bodies, clocks, clock_step, connect_all, crash_point, ends,    fail,  forget,
+                                       join,   lie,    part,       replace,     silence,     two_die, unplug};
 }  // namespace fault
 
 struct Plan {

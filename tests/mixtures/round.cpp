@@ -113,6 +113,7 @@ void Round::perform(const Step& step)
             return set_and_replace(step);
         break;
     case Verb::stop: stopped_.insert(step.drone); break;
+    case Verb::kill: ground_.sleep(std::chrono::milliseconds(step.number)); break;
     case Verb::start:
         if (stopped_.erase(step.drone) > 0 && plan_.topology.is_worker(step.drone))
             values_.began(step.drone, first_setting);

@@ -49,7 +49,7 @@ constexpr std::array verbs{"feed",      "connect", "change",  "disconnect", "kil
                            "thaw",      "halt",    "resume",  "stop",       "set one",     "set all", "set two",
                            "set, kill", "rest",    "forget",  "replace",    "connect all", "fail",    "part",
                            "cut",       "mend",    "swallow", "let through"};
-constexpr std::array failures{"", "and halts", "and crashes", "and hangs"};
+constexpr std::array failures{"", "and halts", "and crashes", "and hangs", "and lingers"};
 constexpr std::array meanwhiles{"",
                                 "by another kind",
                                 "twice",
@@ -164,7 +164,7 @@ std::string to_text(const Step& step)
         text += " " + step.sender + " and";
     if (!step.drone.empty())
         text += " " + step.drone;
-    if (step.verb == Verb::thaw)
+    if ((step.verb == Verb::thaw || step.verb == Verb::kill) && step.number > 0)
         text += " after " + std::to_string(step.number) + " ms";
     else if (step.number > 0)
         text += " " + std::to_string(step.number);

@@ -29,7 +29,7 @@ void SimulatedGround::on_work(const std::string& drone, const Event& event)
         return;
     if (const auto wrong = wrong_body(event))
         wrong_bodies_.push_back(*wrong);
-    if (!topology_.fails)
+    if (!topology_.fails && !failing_.contains(drone))
         return;
     const auto& stage = topology_.stages[topology_.stage_of(drone)];
     const auto& [captured, epoch, sequence] =
@@ -42,7 +42,7 @@ void SimulatedGround::on_work(const std::string& drone, const Event& event)
         return;
     const auto failing = failing_.extract(drone).mapped();
     trace_.line(drone, "fails");
-    if (failing.how == Failure::hangs)
+    if (failing.how == Failure::hangs || failing.how == Failure::lingers)
         return world_.spend(failing.time);
     if (failing.how != Failure::crashes) {
         known->second = true;

@@ -145,6 +145,8 @@ private:
     void send_as_liar(const std::string& name);
     void listen_to_liar(const std::string& name, const std::string& liar);
     void cut_sometimes();
+    [[nodiscard]] std::shared_ptr<void> unplug_sometimes();
+    void hear_of_cuts();
     void set_clock_sometimes();
     void silence_sometimes();
     void watch_sometimes();

@@ -16,33 +16,26 @@ using mixtures::Told;
 using mixtures::Topology;
 using mixtures::Verb;
 
-namespace {
-
-bool is_cut(const ConnectAnswer& answer) { return answer.error && answer.error->code() == Errc::connection_lost; }
-
-}  // namespace
-
 void SimulatedGround::connect(const Edge& edge)
 {
+    const auto unplugged = unplug_sometimes();
     calls_.keep("connect", [&] {
         application_->connect({edge.sender, Topology::output_of(edge.sender)},
                               {edge.receiver, Topology::input_of(edge.receiver)}, edge.options);
     });
+    hear_of_cuts();
 }
 
-/// Once more when one is cut.
 std::vector<ConnectAnswer> SimulatedGround::connect(const std::vector<SwarmConnection>& connections,
                                                     std::chrono::milliseconds timeout)
 {
     until([this] { return world_.now() >= reachable_from_ && all_hear(); });
     Application application(application_named("connector-" + std::to_string(++callers_), timeout));
     auto& calls = timeout < short_timeout ? impatient_calls_ : calls_;
-    const auto connect = [&] { return calls.keep("connect all", [&] { return application.connect(connections); }); };
-    const auto answers = connect();
-    if (std::ranges::none_of(answers, is_cut))
-        return answers;
-    world_.sleep(100ms);
-    return connect();
+    const auto unplugged = unplug_sometimes();
+    const auto answers = calls.keep("connect all", [&] { return application.connect(connections); });
+    hear_of_cuts();
+    return answers;
 }
 
 /// A verb that reaches a drone through another one may wait while the link between the two is silenced.
@@ -196,6 +189,33 @@ void SimulatedGround::cut_sometimes()
         if (machine_of(name) != machine_of(peer))
             cut_.emplace(name, peer);
     });
+}
+
+/// The caller loses connections as long as the result exists.
+std::shared_ptr<void> SimulatedGround::unplug_sometimes()
+{
+    if (!has(mixtures::fault::unplug) || !world_.chance(60))
+        return nullptr;
+    const std::shared_ptr<void> unplugged = std::make_shared<bool>(true);
+    for (auto times = 1 + world_.chance_of(3); times > 0; --times)
+        world_.at(world_.now() + world_.between(0ms, 4ms),
+                  [this, caller = world_.current(), during = std::weak_ptr(unplugged)] {
+                      if (during.expired())
+                          return;
+                      const auto drones = topology_.drones();
+                      const auto peer = cut_one_connection(
+                          *caller, [&](const Process& other) { return std::ranges::count(drones, other.name) > 0; });
+                      if (!peer.empty())
+                          trace_.line("network", "cut " + caller->name + " - " + peer);
+                  });
+    return unplugged;
+}
+
+/// A set over a connection that was just cut would not be repeated.
+void SimulatedGround::hear_of_cuts()
+{
+    if (has(mixtures::fault::unplug))
+        world_.sleep(1ms);
 }
 
 void SimulatedGround::set_clock_sometimes()

@@ -3,6 +3,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <map>
 #include <set>
 
@@ -109,6 +110,33 @@ TEST_CASE("mixtures: every step of a plan can be done where it stands, and at th
         used.insert(follower.used().begin(), follower.used().end());
     }
     CHECK(used.size() == static_cast<std::size_t>(Verb::rest) + 1);
+}
+
+TEST_CASE("mixtures: two die, the receiver while it works or soon after, and all that follows makes sense")
+{
+    std::size_t lingering = 0;
+    for (std::uint64_t seed = 0; seed < 500; ++seed) {
+        const auto plan = make_plan(seed, 20, {fault::two_die});
+        Follower follower(plan.topology);
+        for (auto step = plan.steps.begin(); step != plan.steps.end(); ++step) {
+            follower.follow(*step);
+            if (step->verb != Verb::fail)
+                continue;
+            ++lingering;
+            REQUIRE(step->second == static_cast<int>(Failure::lingers));
+            const auto dies = [&](const Step& later) { return later.verb == Verb::kill && later.drone == step->drone; };
+            const auto death = std::find_if(step, plan.steps.end(), dies);
+            REQUIRE(death != plan.steps.end());
+            const auto senders = [&](const Step& later) {
+                return later.verb == Verb::kill && std::ranges::any_of(plan.topology.edges(), [&](const Edge& edge) {
+                           return edge.sender == later.drone && edge.receiver == step->drone;
+                       });
+            };
+            REQUIRE(std::count_if(step, death, senders) == 1);
+        }
+        follower.end();
+    }
+    CHECK(lingering > 500);
 }
 
 TEST_CASE("mixtures: each seed draws its faults, and many draw none")
