@@ -146,7 +146,7 @@ private:
     void listen_to_liar(const std::string& name, const std::string& liar);
     void cut_sometimes();
     [[nodiscard]] std::shared_ptr<void> unplug_sometimes();
-    void hear_of_cuts();
+    void plug_in(std::shared_ptr<void>&& unplugged);
     void set_clock_sometimes();
     void silence_sometimes();
     void watch_sometimes();

@@ -5,6 +5,7 @@
 #include <orders.hpp>
 
 #include <algorithm>
+#include <utility>
 
 namespace hive::simulation {
 
@@ -18,12 +19,12 @@ using mixtures::Verb;
 
 void SimulatedGround::connect(const Edge& edge)
 {
-    const auto unplugged = unplug_sometimes();
+    auto unplugged = unplug_sometimes();
     calls_.keep("connect", [&] {
         application_->connect({edge.sender, Topology::output_of(edge.sender)},
                               {edge.receiver, Topology::input_of(edge.receiver)}, edge.options);
     });
-    hear_of_cuts();
+    plug_in(std::move(unplugged));
 }
 
 std::vector<ConnectAnswer> SimulatedGround::connect(const std::vector<SwarmConnection>& connections,
@@ -32,9 +33,9 @@ std::vector<ConnectAnswer> SimulatedGround::connect(const std::vector<SwarmConne
     until([this] { return world_.now() >= reachable_from_ && all_hear(); });
     Application application(application_named("connector-" + std::to_string(++callers_), timeout));
     auto& calls = timeout < short_timeout ? impatient_calls_ : calls_;
-    const auto unplugged = unplug_sometimes();
+    auto unplugged = unplug_sometimes();
     const auto answers = calls.keep("connect all", [&] { return application.connect(connections); });
-    hear_of_cuts();
+    plug_in(std::move(unplugged));
     return answers;
 }
 
@@ -212,9 +213,9 @@ std::shared_ptr<void> SimulatedGround::unplug_sometimes()
 }
 
 /// A set over a connection that was just cut would not be repeated.
-void SimulatedGround::hear_of_cuts()
+void SimulatedGround::plug_in(std::shared_ptr<void>&& unplugged)
 {
-    if (has(mixtures::fault::unplug))
+    if (std::exchange(unplugged, nullptr))
         world_.sleep(1ms);
 }
 
