@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""The gate against a project of five tests: one fails once, one always, one is skipped, one hangs, one is good."""
+"""The gate against a project of nine tests: one fails once, one always, one is skipped, one hangs, five are good."""
 import os
 import pathlib
 import shutil
 import subprocess
 import tempfile
+import time
 import unittest
 
 HERE = pathlib.Path(__file__).resolve().parent
@@ -21,6 +22,9 @@ correct!'; echo '  values: CHECK( 1 == 2 )'; exit 1; }")
 add_test(NAME broken COMMAND sh -c "echo 'Error: no luck'; exit 1")
 add_test(NAME hangs COMMAND sleep 30)
 add_test(NAME skipped COMMAND echo "skipped: no camera")
+foreach(i RANGE 1 4)
+  add_test(NAME long${i} COMMAND sleep 0.9)
+endforeach()
 set_tests_properties(skipped PROPERTIES SKIP_REGULAR_EXPRESSION "skipped: ")
 """
 FLAKY = "flaky: once: a (b) [c] (x.cpp:7: ERROR: CHECK( a ) is NOT correct! values: CHECK( 1 == 2 ))"
@@ -56,6 +60,13 @@ class Gate(unittest.TestCase):
         self.assertIn(FLAKY, output)
         self.assertIn("failed: broken (Error: no luck)", output)
         self.assertIn("failed: hangs (no failed check, over after 2.", output)
+
+    def test_that_the_time_does_not_suffice_for_is_counted(self):
+        stop = time.strftime("%H:%M:%S", time.localtime(time.time() + 2))
+        code, output = self.run_gate("-R", "long", "-j", "1", "--stop-time", stop)
+        self.assertEqual(code, 0, output)
+        self.assertRegex(output, "skipped: [1-3] tests of release .no time left.")
+        self.assertNotIn("flaky: ", output)
 
     def test_run_of_no_test_fails(self):
         code, output = self.run_gate("-R", "nonesuch")

@@ -291,7 +291,8 @@ def many(browser, dash):
     page.see("#panel h2", "camera-17")
 
 
-RATES = "[...document.querySelectorAll('g.edge')].map(e => [...e.querySelectorAll('text')].map(t => t.textContent))"
+HAD_RATES = r"""[...document.querySelectorAll("g.edge")].filter(e => /^[1-9][0-9.]*.s/.test(e.querySelector("text")?.textContent)
+    && /^[0-9.]+ (µs|ms|s)$/.test(e.querySelectorAll("text")[1]?.textContent)).reduce((had, e) => had.add(e.id), window.had ??= new Set()).size"""
 OVERLAPS = """(boxes => boxes.filter((a, i) => boxes.some((b, j) => i < j && a.left < b.right - 1 && b.left < a.right - 1
     && a.top < b.bottom - 3 && b.top < a.bottom - 3)).length)([...document.querySelectorAll('g.edge text')].map(t => t.getBoundingClientRect()))"""
 
@@ -306,7 +307,7 @@ def rates(browser, dash):
     file.write_text(json.dumps({"swarm": "rates", "drones": names, "connections": wires}))
     hivectl("up", str(file))
     page = browser.open(dash.url)
-    page.until(f"{RATES}.filter(([rate, age]) => /^[1-9][0-9.]*.s$/.test(rate) && /^[0-9.]+ (µs|ms|s)$/.test(age)).length === 96")
+    page.until(f"{HAD_RATES} === 96")  # not at once: on a full machine a connection may have no event in a second
     page.until(f"{OVERLAPS} === 0")  # the rates change each second
     assert page.text("#rates") == ""
 
