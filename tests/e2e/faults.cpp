@@ -304,6 +304,12 @@ TEST_CASE("hung: a drone that was stopped by SIGSTOP is shown as silent, costs a
     CHECK(Json::parse(ps.out).at(0).at("state") == "silent");
     CHECK(Json::parse(swarm.hivectl_done({"ps", "other", "--json", "--timeout", "10"})).at(0).at("state") == "idle");
     CHECK(fastest({"get", "hung", "--timeout", "0.5"}).exit_code == 124);
+    for (const auto& words : {std::vector<std::string>{"get", "hung"}, {"connect", "hung", "other"}}) {
+        const auto advised = fastest(words);  // more time would not help
+        CHECK_MESSAGE(advised.err.ends_with("no hello within 2 s; see why it does not answer: hivectl explain\n"),
+                      advised.err);
+    }
+    CHECK(swarm.hivectl({"explain"}).out.find("the process of hung is suspended") != std::string::npos);
     drone.signal(SIGCONT);
     CHECK(swarm.hivectl({"get", "hung"}).exit_code == 0);
 }

@@ -43,7 +43,8 @@ std::optional<Error> Liveness::verdict(Clock::time_point now, bool inside)
 {
     if (!hello_) {
         if (now >= started_ + timing_.first_packet)
-            return Error(Errc::timeout, "no hello within " + duration_text(timing_.first_packet));
+            return Error(Errc::timeout, "no hello within " + duration_text(timing_.first_packet),
+                         "see why it does not answer: hivectl explain");
         return {};
     }
     if (now >= heard_ + timing_.silence)
