@@ -27,6 +27,14 @@ bool balances(const InputStatus& input)
                          + input.unmatched + input.queued + input.in_hand;
 }
 
+bool has_losses(const Ledger& events)
+{
+    for (std::size_t i = 0; i < fates; ++i)
+        if (is_loss(static_cast<Fate>(i)) && events.of(static_cast<Fate>(i)) > 0)
+            return true;
+    return false;
+}
+
 /// What one end has counted while the other one was there as well.
 struct Ages {
     bool sender_older = false, receiver_older = false;
@@ -151,6 +159,30 @@ Problems unbalanced(const Statuses& statuses)
                 if (!balances(input))
                     problems.push_back("ledger: the account of " + input.from + " -> " + name + "." + input.input
                                        + " does not balance: " + to_text(input));
+    }
+    return problems;
+}
+
+Problems contradictory(const Statuses& statuses)
+{
+    Problems problems;
+    const auto add = [&](const std::string& what) { problems.push_back("status: " + what); };
+    for (const auto& [name, status] : statuses) {
+        if (status.state == State::halted ? !status.halted : status.state == State::idle && status.halted)
+            add(name + " is " + std::string(token(status.state)) + ", and has " + (status.halted ? "" : "not ")
+                + "halted");
+        for (const auto& output : status.outputs)
+            for (const auto& edge : output.edges)
+                if ((edge.group || edge.options.group.empty())  // a member's losses are its group's
+                    && has_losses(edge.events) != (edge.last_lost_us > 0))
+                    add(name + "." + output.name + " -> " + edge.receiver + ": losses and the time of the newest");
+        for (const auto* inputs : {&status.inputs, &status.left})
+            for (const auto& input : *inputs) {
+                if (input.connected && input.registration == 0)
+                    add(input.from + " -> " + name + "." + input.input + " is connected, and not since when");
+                if ((input.abandoned + input.dropped > 0) != (input.last_lost_us > 0))
+                    add(input.from + " -> " + name + "." + input.input + ": losses and the time of the newest");
+            }
     }
     return problems;
 }

@@ -12,6 +12,8 @@ using Problems = std::vector<std::string>;
 
 /// Every account by itself, at any time.
 Problems unbalanced(const Statuses& statuses);
+/// Fields of one status that cannot be true together, at any time.
+Problems contradictory(const Statuses& statuses);
 /// The two ends of each edge beside each other, when nothing moves.
 /// @param born  numbers the starts of drones: an end that began later has counted less
 Problems disagreeing(const Statuses& statuses, const std::map<std::string, int>& born);

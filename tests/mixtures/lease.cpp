@@ -2,6 +2,7 @@
 #include "lease.hpp"
 #include "picture.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace hive::mixtures {
@@ -23,6 +24,16 @@ const InputStatus* member(const Statuses& statuses, const EdgeStatus& edge, cons
         if (input.from == from && input.connected && input.registration == edge.registration)
             return &input;
     return nullptr;
+}
+
+/// The sender's is the shortest of its members'.
+std::chrono::milliseconds longest_lease(const OutputStatus& output, const std::string& group)
+{
+    std::chrono::milliseconds longest{};
+    for (const auto& edge : output.edges)
+        if (!edge.group && edge.options.group == group)
+            longest = std::max(longest, edge.options.lease.value_or(std::chrono::minutes(1)));
+    return longest;
 }
 
 }  // namespace
@@ -61,6 +72,43 @@ Problems Lease::look(const Statuses& statuses, Time now)
                 }
     before_ = std::exchange(rows_, {});
     looked_ = now;
+    return problems;
+}
+
+Overdue::Row& Overdue::row(const std::string& registration, std::int64_t finished, Time now, bool followed)
+{
+    const auto found = before_.find(registration);
+    Row row = found != before_.end() ? found->second : Row{};
+    if (!followed || found == before_.end() || row.finished != finished)
+        row.finished = finished, row.since = now;
+    return rows_[registration] = row;
+}
+
+Problems Overdue::look(const Statuses& statuses, Time now)
+{
+    constexpr std::chrono::milliseconds most_between{300}, late{800};
+    Problems problems;
+    const bool followed = now - std::exchange(looked_, now) < most_between;
+    before_ = std::exchange(rows_, {});
+    for (const auto& [name, status] : statuses)
+        for (const auto& output : status.outputs)
+            for (const auto& edge : output.edges) {
+                const auto* input = member(statuses, edge, name + "." + output.name);
+                if (!input)
+                    continue;
+                const auto held = input->queued + input->in_hand;
+                auto& row = this->row(input->from + " -> " + edge.receiver + " " + std::to_string(edge.registration),
+                                      input->received - held, now, followed);
+                const auto passed_on = edge.events.of(Fate::passed_on);
+                if (held == 0)
+                    row.since = now, row.passed_on_when_empty = passed_on;
+                else if (row.passed_on_when_empty == passed_on
+                         && now - row.since > longest_lease(output, edge.options.group) + late)
+                    problems.push_back(
+                        "lease: " + input->from + " -> " + edge.receiver
+                        + " has had events for longer than its lease, and they are not passed on: the sender has "
+                        + to_text(edge) + "; the receiver has " + to_text(*input));
+            }
     return problems;
 }
 

@@ -93,11 +93,24 @@ Problems Round::one(const Step& step, bool last)
     return problems_;
 }
 
-void Round::look()
+Statuses Round::look()
 {
-    const auto statuses = ground_.statuses();
+    auto statuses = ground_.statuses();
     end_excuses(statuses);
     std::ranges::move(watch(statuses), std::back_inserter(problems_));
+    return statuses;
+}
+
+/// Looks meanwhile, and no longer than this drone works, if one is named.
+void Round::wait(std::chrono::milliseconds time, const std::string& busy)
+{
+    for (const auto end = ground_.now() + time; ground_.now() < end;) {
+        const auto statuses = look();
+        if (const auto found = statuses.find(busy); found != statuses.end() && found->second.state != State::busy)
+            return;
+        const auto left = std::chrono::ceil<std::chrono::microseconds>(end - ground_.now());
+        ground_.sleep(std::min<std::chrono::microseconds>(left, std::chrono::milliseconds(200)));
+    }
 }
 
 void Round::perform(const Step& step)
@@ -113,7 +126,12 @@ void Round::perform(const Step& step)
             return set_and_replace(step);
         break;
     case Verb::stop: stopped_.insert(step.drone); break;
-    case Verb::kill: ground_.sleep(std::chrono::milliseconds(step.number)); break;
+    case Verb::kill: wait(std::chrono::milliseconds(step.number)); break;
+    case Verb::fail:
+        ground_.perform(step);
+        return step.second == static_cast<int>(Failure::hangs)
+                   ? wait(std::chrono::milliseconds(step.number), step.drone)
+                   : void();
     case Verb::start:
         if (stopped_.erase(step.drone) > 0 && plan_.topology.is_worker(step.drone))
             values_.began(step.drone, first_setting);

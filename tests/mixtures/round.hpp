@@ -64,7 +64,8 @@ private:
     [[nodiscard]] Change change(int work_ms, int most_ms) const;
     [[nodiscard]] LastRun last_run() const;
     Problems wrongly_printed(const LastRun& run);
-    void look();
+    Statuses look();
+    void wait(std::chrono::milliseconds time, const std::string& busy = "");
     Problems watch(const Statuses& statuses);
     Problems settle(bool last);
     Problems stuck(const Statuses& statuses, Stillness& stillness) const;
@@ -87,6 +88,7 @@ private:
     Sizes sizes_;
     Waits waits_;
     Lease lease_;
+    Overdue overdue_;
     Idle idle_;
     Fates fates_;
     std::set<std::string> stopped_;

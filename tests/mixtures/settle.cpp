@@ -84,6 +84,7 @@ Problems Round::watch(const Statuses& statuses)
 {
     auto problems = unbalanced(statuses);
     const auto add = [&](const Problems& more) { problems.insert(problems.end(), more.begin(), more.end()); };
+    add(contradictory(statuses));
     add(watch_.look(statuses));
     add(window_.look(statuses));
     add(sizes_.look(statuses));
@@ -92,6 +93,7 @@ Problems Round::watch(const Statuses& statuses)
     const Statuses unknown;
     const auto& heard = ground_.all_hear() ? statuses : unknown;
     add(lease_.look(heard, ground_.now()));
+    add(overdue_.look(heard, ground_.now()));
     add(idle_.look(heard, ground_.now()));
     add(wrongly_connected(statuses, model_.wanted()));
     add(wrongly_resumed(statuses, model_.halted()));

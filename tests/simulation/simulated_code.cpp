@@ -74,8 +74,6 @@ void SimulatedGround::fail(const mixtures::Step& step)
     if (how == Failure::crashes)
         links_.broken(drone, world_.now());
     const bool failed = failed_by(step, how, time);
-    if (how == Failure::hangs && failed)
-        world_.sleep(time);
     if (how == Failure::crashes && failed) {
         until([&] { return process->dead; });
         killed_.insert(drone);

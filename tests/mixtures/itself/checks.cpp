@@ -64,6 +64,27 @@ TEST_CASE("mixtures: an account that does not add up is a problem")
     CHECK(unbalanced(statuses).size() == 1);  // more than were produced
 }
 
+TEST_CASE("mixtures: a status that contradicts itself is a problem")
+{
+    auto statuses = good();
+    CHECK(contradictory(statuses).empty());
+    edge_of(statuses).last_lost_us = 1;
+    CHECK(contradictory(statuses).size() == 1);
+    statuses = good();
+    ++input_of(statuses).abandoned;
+    CHECK(contradictory(statuses).size() == 1);
+    statuses = good();
+    statuses.at("a1").state = State::halted;
+    CHECK(contradictory(statuses).size() == 1);
+    statuses.at("a1").halted = HaltStatus{.by = "", .time_us = 1};
+    CHECK(contradictory(statuses).empty());
+    statuses.at("a1").state = State::idle;
+    CHECK(contradictory(statuses).size() == 1);
+    statuses = good();
+    input_of(statuses).registration = 0;
+    CHECK(contradictory(statuses).size() == 1);
+}
+
 TEST_CASE("mixtures: a receiver with more than was sent, or less than it acknowledged, is a problem")
 {
     auto statuses = good();

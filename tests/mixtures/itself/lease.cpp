@@ -12,13 +12,14 @@ namespace {
 /// source.tick -> a1.image, shared; looked at every 100 ms.
 struct Shared {
     Lease oracle;
+    Overdue overdue;
     Lease::Time now{};
     std::int64_t worked = 0, queued = 0, registration = 5, taken = 0;
     State state = State::busy;
 
     std::size_t look()
     {
-        const ConnectionOptions options{.group = "group-a"};
+        const ConnectionOptions options{.group = "group-a", .lease = 800ms};
         EdgeStatus edge{.receiver = "a1.image", .connected = true, .registration = registration, .options = options};
         edge.events.came(worked + queued + taken);
         edge.events.went(Fate::passed_on, taken);
@@ -33,7 +34,9 @@ struct Shared {
         const OutputStatus tick{.name = "tick", .type = "a/b", .edges = {edge}};
         const Status source_row{.name = source, .kind = "ticker", .state = State::idle, .outputs = {tick}};
         const Status a1{.name = "a1", .kind = "sleeper", .state = state, .inputs = {input}};
-        return oracle.look({{source, source_row}, {"a1", a1}}, now += 100ms).size();
+        const Statuses statuses{{source, source_row}, {"a1", a1}};
+        now += 100ms;
+        return oracle.look(statuses, now).size() + overdue.look(statuses, now).size();
     }
     /// It has had nothing in hand, and goes on for a while.
     void begin()
@@ -84,4 +87,18 @@ TEST_CASE("lease: what is taken from a member that hangs, has halted or has regi
     CHECK(returns.look() == 0);
     ++returns.worked, ++returns.taken;  // it may be working on what it had
     CHECK(returns.look() == 0);
+}
+
+TEST_CASE("lease: what a member does not finish, and the others do not get, is a problem when its lease is over")
+{
+    Shared hangs;
+    hangs.begin();
+    for (int i = 0; i < 16; ++i)
+        CHECK(hangs.look() == 0);
+    CHECK(hangs.look() == 1);
+
+    Shared goes_on;
+    goes_on.begin();
+    for (int i = 0; i < 40; ++i, goes_on.worked += i % 10 == 0 ? 1 : 0)
+        CHECK(goes_on.look() == 0);
 }
