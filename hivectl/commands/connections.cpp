@@ -78,7 +78,7 @@ int run(const std::vector<std::string>& words, Session& session)
         return outcome.exit_code();
     const auto statuses = application.status(application.drones());
     for (const auto& answer : statuses)
-        if (answer.error)
+        if (error_of(answer.status))
             complain("connections", answer.drone + (is_elsewhere(answer.place) ? " at " + answer.place.host : "")
                                         + " does not answer; its connections are known from their other ends only");
     auto rows = connection_rows(statuses);

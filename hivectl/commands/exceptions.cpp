@@ -52,11 +52,13 @@ std::vector<std::string> drones_meant(const Options& options, hive::Application&
 void add_last(const std::vector<std::string>& drones, Session& session, std::vector<Row>& rows, Outcome& outcome)
 {
     for (const auto& answer : session.application().status(drones)) {
-        answer.error ? outcome.failed(answer.drone, *answer.error) : outcome.done();
-        if (answer.error || !answer.status.last_exception)
+        const auto* error = error_of(answer.status);
+        const auto* status = value_of(answer.status);
+        error ? outcome.failed(answer.drone, *error) : outcome.done();
+        if (!status || !status->last_exception)
             continue;
         Row row{{"drone", answer.drone}};
-        const auto exception = exception_json(*answer.status.last_exception);
+        const auto exception = exception_json(*status->last_exception);
         for (const auto& [key, value] : exception.items())
             row.add(key, value);
         const auto kept = std::ranges::find_if(rows, [&](const Row& other) {

@@ -34,13 +34,14 @@ int get_many(const Options& options, Session& session)
     Outcome outcome("get");
     const Waiting waiting(options.target + " to answer");
     for (const auto& answer : application.get(application.find(options.target), options.names)) {
-        if (answer.error) {
-            outcome.failed(answer.drone, *answer.error);
+        if (const auto* error = error_of(answer.result)) {
+            outcome.failed(answer.drone, *error);
             continue;
         }
+        const auto& values = std::get<hive::Json>(answer.result);
         outcome.done();
-        write_out(session.json ? Row{{"drone", answer.drone}, {"values", answer.result}}.json() + "\n"
-                               : settings_text(answer.drone, answer.result));
+        write_out(session.json ? Row{{"drone", answer.drone}, {"values", values}}.json() + "\n"
+                               : settings_text(answer.drone, values));
     }
     return outcome.exit_code();
 }

@@ -50,7 +50,8 @@ std::optional<hive::Place> known_as(hive::Application& application, const hive::
         if (place.drone != added.place.drone || place.address == added.place.address)
             continue;
         const auto answer = application.status(std::vector{name}).at(0);
-        if (!answer.error && answer.status.epoch == added.status.epoch)
+        const auto *status = value_of(answer.status), *same = value_of(added.status);
+        if (status && same && status->epoch == same->epoch)
             return place;
     }
     return std::nullopt;
@@ -71,11 +72,10 @@ int add(const Options& options, Session& session)
         application.add_place(place);
     const auto reference = place.drone + "@" + place.host + place.address.substr(place.address.rfind(':'));
     const auto answer = application.status(std::vector{reference}).at(0);
-    const auto known = answer.error ? std::nullopt : known_as(application, answer);
-    if (!listed && (answer.error || known))
+    const auto known = value_of(answer.status) ? known_as(application, answer) : std::nullopt;
+    if (!listed && (error_of(answer.status) || known))
         application.forget_place(place);
-    if (answer.error)
-        throw *answer.error;
+    value_or_throw(answer.status);
     if (known)
         throw hive::Error(hive::Errc::name_taken, place.drone + " is known already, at " + place_text(*known),
                           "nothing to add");

@@ -63,11 +63,11 @@ hive::Json matching_json(const hive::Status& status)
 }
 
 /// Why there is no answer, and for another machine the time since the last one.
-std::string silence_note(const hive::StatusAnswer& answer)
+std::string silence_note(const hive::Place& place, const hive::Error& error)
 {
-    if (!is_elsewhere(answer.place))
-        return answer.error->what();
-    return answered_text(answer.place) + "; " + answer.error->what();
+    if (!is_elsewhere(place))
+        return error.what();
+    return answered_text(place) + "; " + error.what();
 }
 
 /// A drone without a status.
@@ -77,19 +77,18 @@ Row absent_row(const std::string& drone, const std::string& host, const char* st
                {"pid", nullptr}, {"uptime_us", nullptr}, {"busy_percent", nullptr}, {"note", note}};
 }
 
-Row silent_row(const hive::StatusAnswer& answer)
+Row silent_row(const hive::StatusAnswer& answer, const hive::Error& error)
 {
-    const bool silent = answer.error->code() == hive::Errc::timeout;
+    const bool silent = error.code() == hive::Errc::timeout;
     return absent_row(answer.drone, answer.place.host,
                       is_elsewhere(answer.place) ? "unreachable"
                       : silent                   ? "silent"
                                                  : "gone",
-                      silence_note(answer));
+                      silence_note(answer.place, error));
 }
 
-Row row_of(const hive::StatusAnswer& answer)
+Row row_of(const hive::StatusAnswer& answer, const hive::Status& status)
 {
-    const auto& status = answer.status;
     const double percent = std::min(100.0, 100.0 * static_cast<double>(status.busy_us)
                                                / static_cast<double>(std::max<std::int64_t>(1, status.uptime_us)));
     return Row{{"name", answer.drone},
@@ -196,9 +195,10 @@ int run(const std::vector<std::string>& words, Session& session)
                                      : drones_named(application, words_that_run(words, crashed, application), outcome);
     std::vector<Row> rows;
     for (const auto& answer : application.status(names)) {
-        rows.push_back(answer.error ? silent_row(answer) : row_of(answer));
-        if (person && !answer.error)
-            show_activity(rows.back(), answer.status);
+        const auto* status = value_of(answer.status);
+        rows.push_back(status ? row_of(answer, *status) : silent_row(answer, std::get<hive::Error>(answer.status)));
+        if (person && status)
+            show_activity(rows.back(), *status);
         outcome.done();
     }
     add_crashed(rows, words, std::move(crashed), application);

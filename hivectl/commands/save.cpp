@@ -45,10 +45,11 @@ void note_progress(Progress& progress, hive::Application& application, const std
 {
     application.timeout(500ms);
     const auto answer = application.status(std::vector{writer}).at(0);
-    if (answer.error)
+    const auto* status = value_of(answer.status);
+    if (!status)
         return;
     std::int64_t done = 0;
-    for (const auto& input : answer.status.inputs)
+    for (const auto& input : status->inputs)
         done += input.processed;
     progress.note(source, done);
 }
@@ -58,9 +59,10 @@ std::string source_of(hive::Application& application, std::string drone)
 {
     for (int hops = 0; hops < 16; ++hops) {
         const auto answer = application.status(std::vector{drone}).at(0);
-        if (answer.error || answer.status.inputs.empty())
+        const auto* status = value_of(answer.status);
+        if (!status || status->inputs.empty())
             break;
-        drone = hive::parse_endpoint(answer.status.inputs.front().from).drone;
+        drone = hive::parse_endpoint(status->inputs.front().from).drone;
     }
     return drone;
 }

@@ -53,8 +53,8 @@ int exit_code_of_refusal(const std::vector<hive::Answer>& answers)
         return interrupt::exit_code();
     std::set<int> causes;
     for (const auto& answer : answers)
-        if (answer.error && exit_code_of(answer.error->code()) != exit_code::refused)
-            causes.insert(exit_code_of(answer.error->code()));
+        if (const auto* error = error_of(answer.result); error && exit_code_of(error->code()) != exit_code::refused)
+            causes.insert(exit_code_of(error->code()));
     return causes.empty() ? exit_code::refused : causes.size() == 1 ? *causes.begin() : exit_code::failure;
 }
 
@@ -66,12 +66,13 @@ int set_many(const Options& options, const hive::Json& settings, Session& sessio
     const auto result = application.set(application.find(options.target), settings, interrupt::requested);
     Outcome outcome("set");
     for (const auto& answer : result.answers)
-        if (answer.error) {
-            outcome.failed(answer.drone, *answer.error);
+        if (const auto* error = error_of(answer.result)) {
+            outcome.failed(answer.drone, *error);
         } else {
+            const auto& values = std::get<hive::Json>(answer.result);
             outcome.done();
-            write_out(session.json ? Row{{"drone", answer.drone}, {"values", answer.result}}.json() + "\n"
-                                   : settings_text(answer.drone, answer.result));
+            write_out(session.json ? Row{{"drone", answer.drone}, {"values", values}}.json() + "\n"
+                                   : settings_text(answer.drone, values));
         }
     return result.changed == hive::SetResult::Changed::none ? exit_code_of_refusal(result.answers)
                                                             : outcome.exit_code();

@@ -117,8 +117,8 @@ int run(const Options& options, Session& session)
     const auto answers = stop_together(names, application);
     for (std::size_t i = 0; i < targets.size(); ++i)
         outcome.request(targets[i].name, [&] {
-            if (answers[i].error)
-                stop_through_ssh(targets[i], *answers[i].error, session);
+            if (const auto* error = error_of(answers[i].result))
+                stop_through_ssh(targets[i], *error, session);
             report(targets[i], session);
         });
     return outcome.exit_code();

@@ -34,8 +34,8 @@ std::string shown(const Rates& rates, Form form)
 void show_activity(std::vector<Row>& rows, const std::vector<hive::StatusAnswer>& answers)
 {
     for (std::size_t i = 0; i < rows.size(); ++i)
-        if (!answers[i].error)
-            hivectl::show_activity(rows[i], answers[i].status);
+        if (const auto* status = value_of(answers[i].status))
+            hivectl::show_activity(rows[i], *status);
 }
 
 int run(const Options& options, Session& session)

@@ -56,7 +56,8 @@ bool all_shown(hive::Application& application, const std::string& viewer)
     const auto shown = [](const hive::InputStatus& input) {
         return input.why == hive::Reason::source_ended && input.queued == 0 && input.in_hand == 0;
     };
-    return !answer.error && !answer.status.inputs.empty() && std::ranges::all_of(answer.status.inputs, shown);
+    const auto* status = value_of(answer.status);
+    return status && !status->inputs.empty() && std::ranges::all_of(status->inputs, shown);
 }
 
 /// Until Ctrl-C, until the drone exits because its window was closed, or until the last image has been shown.

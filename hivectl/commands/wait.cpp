@@ -26,11 +26,11 @@ std::string state_of(hive::Application& application, const std::string& name)
     if (!runs(application, name))
         return "gone";
     const auto answer = application.status(std::vector{name}).at(0);
-    if (!answer.error)
-        return std::string(token(answer.status.state));
+    if (const auto* status = value_of(answer.status))
+        return std::string(token(status->state));
     if (is_elsewhere(answer.place))
         return "unreachable";
-    return answer.error->code() == hive::Errc::timeout ? "silent" : "gone";
+    return std::get<hive::Error>(answer.status).code() == hive::Errc::timeout ? "silent" : "gone";
 }
 
 bool reached(const std::string& goal, const std::string& state)

@@ -22,8 +22,9 @@ void remove_pages(std::vector<hive::StatusAnswer>& answers)
         return edge.receiver.starts_with(prefix) && edge.receiver.find('.') == std::string::npos;
     };
     for (auto& answer : answers)
-        for (auto& output : answer.status.outputs)
-            std::erase_if(output.edges, is_page);
+        if (auto* status = std::get_if<hive::Status>(&answer.status))
+            for (auto& output : status->outputs)
+                std::erase_if(output.edges, is_page);
 }
 
 }  // namespace hivectl::dash

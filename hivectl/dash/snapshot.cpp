@@ -28,12 +28,13 @@ bool waits_for_receiver(const hive::Status& status, const hive::OutputStatus& ou
 /// The row of a drone on the page; unknown rates are null.
 Json drone_row(const hive::StatusAnswer& answer, const Row& rates)
 {
-    const auto& status = answer.status;
+    const auto* error = error_of(answer.status);
+    const auto status = value_or_none(answer.status);
     Json row{{"name", answer.drone},
              {"host", answer.place.host},
              {"kind", status.kind},
-             {"state", answer.error ? Json("silent") : rates["state"]},
-             {"note", answer.error ? answer.error->what() : status.condition},
+             {"state", error ? Json("silent") : rates["state"]},
+             {"note", error ? error->what() : status.condition},
              {"in_per_s", rates["in_per_s"]},
              {"out_per_s", rates["out_per_s"]},
              {"busy_percent", rates["busy_percent"]},
@@ -88,13 +89,14 @@ Json object_of(const Row& row) { return Json::parse(row.json()); }
 /// Load of all processors of a drone's machine, between two statuses. Null: unknown.
 Json machine_busy_percent(const hive::StatusAnswer& answer, const std::vector<hive::StatusAnswer>& earlier)
 {
-    const auto before = std::ranges::find(earlier, answer.drone, &hive::StatusAnswer::drone);
-    const auto& now = answer.status;
-    if (answer.error || now.machine.processors == 0 || before == earlier.end() || before->error
-        || before->status.epoch != now.epoch || now.uptime_us <= before->status.uptime_us)
+    const auto found = std::ranges::find(earlier, answer.drone, &hive::StatusAnswer::drone);
+    const auto* before = found == earlier.end() ? nullptr : value_of(found->status);
+    const auto* now = value_of(answer.status);
+    if (!before || !now || now->machine.processors == 0 || before->epoch != now->epoch
+        || now->uptime_us <= before->uptime_us)
         return nullptr;
-    const auto possible = static_cast<double>((now.uptime_us - before->status.uptime_us) * now.machine.processors);
-    return std::min(100.0, 100.0 * static_cast<double>(now.machine.cpu_us - before->status.machine.cpu_us) / possible);
+    const auto possible = static_cast<double>((now->uptime_us - before->uptime_us) * now->machine.processors);
+    return std::min(100.0, 100.0 * static_cast<double>(now->machine.cpu_us - before->machine.cpu_us) / possible);
 }
 
 /// The machines, with their number of drones and processor load.
@@ -188,8 +190,8 @@ void remember(std::map<std::string, Past>& past, const Snapshot& now)
         return std::ranges::none_of(now.drones, [&](const Json& row) { return row.at("name") == each.first; });
     });
     for (std::size_t i = 0; i < now.look.answers.size(); ++i) {
-        const auto& [drone, status, error, place] = now.look.answers[i];
-        auto& kept = past[drone];
+        const auto& answer = now.look.answers[i];
+        auto& kept = past[answer.drone];
         const auto number = [&](const char* key) {
             const auto& value = now.drones[i].at(key);
             return value.is_number() ? value.get<double>() : 0;
@@ -197,10 +199,11 @@ void remember(std::map<std::string, Past>& past, const Snapshot& now)
         kept.samples.push_back({std::max(number("in_per_s"), number("out_per_s")), number("busy_percent")});
         if (kept.samples.size() > Past::samples_kept)
             kept.samples.pop_front();
-        const auto& last = status.last_exception;
-        if (error || !last || (!kept.exceptions.empty() && kept.exceptions.front().time_us == last->time_us))
+        const auto* status = value_of(answer.status);
+        if (!status || !status->last_exception
+            || (!kept.exceptions.empty() && kept.exceptions.front().time_us == status->last_exception->time_us))
             continue;
-        kept.exceptions.push_front(*last);
+        kept.exceptions.push_front(*status->last_exception);
         if (kept.exceptions.size() > Past::exceptions_kept)
             kept.exceptions.pop_back();
     }
@@ -212,7 +215,7 @@ Json drone_details(const Snapshot& snapshot, const std::string& drone)
     if (row == snapshot.drones.end() || row->at("host") == "")
         return nullptr;
     const auto found = std::ranges::find(snapshot.look.answers, drone, &hive::StatusAnswer::drone);
-    const auto status = found == snapshot.look.answers.end() ? hive::Status() : found->status;
+    const auto status = found == snapshot.look.answers.end() ? hive::Status() : value_or_none(found->status);
     Json outputs = Json::array(), per_s = Json::array(), busy = Json::array(), exceptions = Json::array();
     for (const auto& output : status.outputs)
         outputs.push_back({{"name", output.name},

@@ -42,9 +42,10 @@ const hive::EdgeStatus* row_of(const std::string& receiver, const hive::InputSta
 {
     const auto from = hive::parse_endpoint(here.input);
     const auto answer = std::ranges::find(senders, from.drone, &hive::StatusAnswer::drone);
-    if (answer == senders.end() || answer->error)
+    const auto* status = answer == senders.end() ? nullptr : value_of(answer->status);
+    if (!status)
         return nullptr;
-    for (const auto& output : answer->status.outputs)
+    for (const auto& output : status->outputs)
         for (const auto& edge : output.edges)
             if (output.name == from.port && edge.receiver == receiver && edge.registration == here.registration)
                 return &edge;

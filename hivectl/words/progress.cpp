@@ -82,7 +82,7 @@ std::int64_t Progress::all_of(const std::string& source)
     if (fresh) {
         application_.timeout(300ms);
         const auto answer = application_.status(std::vector{source}).at(0);
-        place->second = answer.error ? 0 : answer.status.source_events;
+        place->second = value_or_none(answer.status).source_events;
     }
     return place->second;
 }

@@ -15,8 +15,8 @@ namespace {
 const hive::Status* same_run(const std::vector<hive::StatusAnswer>& earlier, const hive::StatusAnswer& now)
 {
     const auto found = std::ranges::find(earlier, now.drone, &hive::StatusAnswer::drone);
-    const bool same = found != earlier.end() && !found->error && found->status.epoch == now.status.epoch;
-    return same ? &found->status : nullptr;
+    const auto *before = found == earlier.end() ? nullptr : value_of(found->status), *status = value_of(now.status);
+    return before && status && before->epoch == status->epoch ? before : nullptr;
 }
 
 /// Events that its code has processed, with success or not.
@@ -53,10 +53,11 @@ double per_second(std::int64_t count, std::chrono::nanoseconds interval)
 
 Row drone_row(const hive::StatusAnswer& answer, const hive::Status* before, std::chrono::nanoseconds interval)
 {
-    const auto& now = answer.status;
-    Row row{{"name", answer.drone}, {"state", answer.error ? "silent" : token(now.state)}};
-    if (answer.error || !before)
+    const auto* status = value_of(answer.status);
+    Row row{{"name", answer.drone}, {"state", status ? token(status->state) : "silent"}};
+    if (!status || !before)
         return row;
+    const auto& now = *status;
     // By the drone's own clock, so that the arrival time of its answer does not matter.
     const auto lived = std::max<std::int64_t>(1, now.uptime_us - before->uptime_us);
     row.add("in_per_s", per_second(processed(now) - processed(*before), interval));

@@ -50,9 +50,9 @@ TEST_CASE("explain: a drone that its swarm starts again and again")
     for (int fall = 0; fall < 6; ++fall) {
         REQUIRE_MESSAGE(eventually([&] {
                             const auto answer = application.status(std::vector<std::string>{"falls"}).at(0);
-                            const bool again = !answer.error && answer.status.pid != last
-                                               && answer.status.state != hive::State::starting;
-                            last = again ? answer.status.pid : last;
+                            const auto* now = value_of(answer.status);
+                            const bool again = now && now->pid != last && now->state != hive::State::starting;
+                            last = again ? now->pid : last;
                             return again;
                         }),
                         swarm.log("up"));

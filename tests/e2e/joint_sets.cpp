@@ -50,8 +50,7 @@ std::vector<int> values(hive::Application& application, const std::string& param
 {
     std::vector<int> found;
     for (const auto& answer : application.get(application.find("s*"), {parameter})) {
-        REQUIRE_FALSE(answer.error.has_value());
-        found.push_back(answer.result.at(parameter));
+        found.push_back(value_or_throw(answer.result).at(parameter));
     }
     return found;
 }
@@ -61,7 +60,8 @@ bool is_locked(const Swarm& swarm, const std::string& drone)
 {
     auto other = swarm.application(50ms);
     const auto result = other.set(std::vector{drone}, Json::object());
-    return result.answers.at(0).error && result.answers[0].error->code() == hive::Errc::locked;
+    const auto* error = error_of(result.answers.at(0).result);
+    return error && error->code() == hive::Errc::locked;
 }
 
 /// One hivectl that sets all of them.
@@ -176,11 +176,11 @@ TEST_CASE("joint set: a drone that goes away when it is told to keep the values 
     const auto result = application.set(std::vector<std::string>{"s1", "s2"}, {{"most_ms", 7000}});
     s2.join();
     CHECK(result.changed == hive::SetResult::Changed::unclear);
-    CHECK_FALSE(result.answers.at(0).error.has_value());
-    CHECK(result.answers.at(0).result == Json{{"most_ms", 7000}});
-    REQUIRE(result.answers.at(1).error.has_value());
-    CHECK(result.answers.at(1).error->code() == hive::Errc::connection_lost);
-    CHECK(std::string(result.answers.at(1).error->what()).find("s2: unknown") == 0);
+    CHECK(value_or_throw(result.answers.at(0).result) == Json{{"most_ms", 7000}});
+    const auto* error = error_of(result.answers.at(1).result);
+    REQUIRE(error);
+    CHECK(error->code() == hive::Errc::connection_lost);
+    CHECK(std::string(error->what()).find("s2: unknown") == 0);
 }
 
 TEST_CASE("joint set: a drone that is replaced hands over when the set that it has prepared is decided")
@@ -256,7 +256,7 @@ TEST_CASE("joint set: many at once, with Ctrl-C and SIGKILL at random, end in on
             CHECK(std::ranges::any_of(setters, [](const Setter& setter) { return setter.exit_code == 128 + SIGKILL; }));
             CHECK(++torn == 1);
             for (const auto& answer : application.set(application.find("s*"), {{"most_ms", ++next}}).answers)
-                CHECK_FALSE(answer.error.has_value());
+                CHECK_FALSE(error_of(answer.result));
             last = values(application, "most_ms");
             continue;
         }

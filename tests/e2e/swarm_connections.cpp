@@ -83,9 +83,10 @@ Json told(const Swarm& swarm, hive::Application& application)
 {
     Json inputs = Json::array(), edges = Json::array(), rows = Json::array();
     for (const auto& answer : application.status(std::vector<std::string>{"a", "b", "join", "one", "two"})) {
-        for (const auto& input : answer.status.inputs)
+        const auto status = value_or_none(answer.status);
+        for (const auto& input : status.inputs)
             inputs.push_back({answer.drone, input.input, input.from, input.connected, to_json(input.options)});
-        for (const auto& output : answer.status.outputs)
+        for (const auto& output : status.outputs)
             for (const auto& edge : output.edges)
                 if (edge.connected && !edge.group && !edge.receiver.starts_with("app-"))
                     edges.push_back({answer.drone, edge.receiver, edge.encoding, to_json(edge.options)});

@@ -135,9 +135,10 @@ TEST_CASE("owners: a drone of another swarm that does not answer is not ended wh
     steps(swarm, file);
     auto application = swarm.application();
     const auto answers = application.stop({"source", "two-sink"}, "two");
-    REQUIRE(answers.at(0).error);
-    CHECK(answers[0].error->code() == hive::Errc::refused);
-    CHECK(!answers.at(1).error);
+    const auto* error = error_of(answers.at(0).result);
+    REQUIRE(error);
+    CHECK(error->code() == hive::Errc::refused);
+    CHECK(!error_of(answers.at(1).result));
     CHECK(running(swarm).size() == 2);
 }
 

@@ -400,8 +400,8 @@ TEST_CASE("down: nothing lossless that was on its way is lost")
     std::set<std::int64_t> indexes;
     const auto look = [&] {
         for (const auto& answer : application.status(std::vector<std::string>{"source"}))
-            if (!answer.error)
-                produced = answer.status.outputs.at(0).produced;
+            if (const auto* status = value_of(answer.status))
+                produced = status->outputs.at(0).produced;
         for (; const auto result = results->next(1ms); ++taken)
             indexes.insert(result->header.at("index").get<std::int64_t>());
     };

@@ -24,8 +24,8 @@ try {
         parameters["most_ms"] = *change.most_ms;
     auto result = Told::applied;
     for (const auto& answer : asking.set(change.drones, parameters).answers)
-        if (answer.error && result != Told::unknown)
-            result = told(*answer.error);
+        if (const auto* error = error_of(answer.result); error && result != Told::unknown)
+            result = told(*error);
     return result;
 } catch (const Error& error) {
     return told(error);
@@ -35,8 +35,9 @@ Settings settings_of(Application& asking, const std::vector<std::string>& drones
 {
     Settings settings;
     for (const auto& answer : asking.get(drones))
-        if (!answer.error && answer.result.contains("work_ms") && answer.drone != watcher)
-            settings[answer.drone] = {answer.result.at("work_ms"), answer.result.at("most_ms")};
+        if (const auto* values = hive::value_of(answer.result);
+            values && values->contains("work_ms") && answer.drone != watcher)
+            settings[answer.drone] = {values->at("work_ms"), values->at("most_ms")};
     return settings;
 }
 

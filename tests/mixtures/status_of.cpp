@@ -7,8 +7,8 @@ Statuses statuses_of(Application& application, const std::vector<std::string>& d
 {
     Statuses statuses;
     for (auto& answer : application.status(drones))
-        if (!answer.error)
-            statuses.emplace(answer.drone, std::move(answer.status));
+        if (auto* status = std::get_if<Status>(&answer.status))
+            statuses.emplace(answer.drone, std::move(*status));
     return statuses;
 }
 

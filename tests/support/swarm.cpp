@@ -128,7 +128,8 @@ Process Swarm::drone(const std::string& kind, const std::string& name, const std
             if (!fs::exists(home_ / (name + ".sock")))
                 return false;
             const auto answer = asking.status(std::vector{name}).at(0);
-            return !answer.error && answer.status.pid == process.pid() && answer.status.state != State::starting;
+            const auto* status = value_of(answer.status);
+            return status && status->pid == process.pid() && status->state != State::starting;
         },
         Milliseconds(10'000));
     if (!answers || process.wait(Milliseconds(0)))

@@ -6,6 +6,7 @@
 #include <hive/interface.hpp>
 #include <hive/kept_failure.hpp>
 #include <hive/match.hpp>
+#include <hive/result.hpp>
 #include <hive/status.hpp>
 #include <hive/transfer.hpp>
 
@@ -37,15 +38,13 @@ struct Place {
 /// The answer of one drone to a request to several.
 struct Answer {
     std::string drone;
-    Json result;  ///< an object; meaningful without error
-    std::optional<Error> error;
+    Result<Json> result;  ///< an object
 };
 
 /// The status of one drone of several.
 struct StatusAnswer {
     std::string drone;
-    Status status;  ///< meaningful without error
-    std::optional<Error> error;
+    Result<Status> status;
     Place place{};  ///< where it was queried; with an empty address it was not
 };
 

@@ -106,10 +106,10 @@ void keep_parameters(std::vector<Answer>& answers)
 {
     for (auto& answer : answers)
         try {
-            if (!answer.error)
-                answer.result = parameters_in(answer.drone, std::move(answer.result));
+            if (auto* result = std::get_if<Json>(&answer.result))
+                answer.result = parameters_in(answer.drone, std::move(*result));
         } catch (const Error& error) {
-            answer.error = error;
+            answer.result = error;
         }
 }
 
@@ -194,11 +194,7 @@ void Application::exception_policy(const std::string& drone, ExceptionPolicy pol
     core_->ask(drone, PacketType::halt, {{"policy", token(policy)}});
 }
 
-void Application::stop(const std::string& drone)
-{
-    if (const auto answer = stop(std::vector{drone}).at(0); answer.error)
-        throw *answer.error;
-}
+void Application::stop(const std::string& drone) { value_or_throw(stop(std::vector{drone}).at(0).result); }
 
 namespace {
 
@@ -206,15 +202,15 @@ namespace {
 void forgive_haste(std::vector<Answer>& answers)
 {
     for (auto& answer : answers)
-        if (answer.error && answer.error->code() == Errc::connection_lost)
-            answer.error.reset();
+        if (const auto* error = error_of(answer.result); error && error->code() == Errc::connection_lost)
+            answer.result = Json();
 }
 
 /// May its process be killed? A drone of this machine that does not answer hangs or is exiting.
 bool may_end(const Place& place, const Answer& answer)
 {
-    return !answer.error
-           || (is_here(place) && (answer.error->code() == Errc::timeout || answer.error->code() == Errc::unreachable));
+    const auto* error = error_of(answer.result);
+    return !error || (is_here(place) && (error->code() == Errc::timeout || error->code() == Errc::unreachable));
 }
 
 /// The saved state of a drone of this machine that hangs or crashed has the name of its swarm.
@@ -262,13 +258,18 @@ std::vector<Answer> Application::stop(const std::vector<std::string>& drones, co
     std::vector<Answer> answers;
     for (std::size_t asked = 0; const auto& drone : drones) {
         const bool ran = asked < running.size() && running[asked] == drone;
-        answers.push_back(ran ? std::move(stopped[asked]) : Answer{drone, {}, {}});
+        answers.push_back(ran ? std::move(stopped[asked]) : Answer{drone, {}});
         if (const auto* place = ran ? std::get_if<Place>(&places[asked]) : nullptr;
-            place && may_end(*place, answers.back()))
-            answers.back().error = core_->wait_until_gone(*place, until);
+            place && may_end(*place, answers.back())) {
+            auto& result = answers.back().result;
+            if (const auto error = core_->wait_until_gone(*place, until))
+                result = *error;
+            else
+                result = value_or_none(std::move(result));
+        }
         asked += ran ? 1 : 0;
         if (left_alone.contains(drone))
-            answers.back().error = Error(Errc::refused, drone + " was not brought up by the swarm " + swarm);
+            answers.back().result = Error(Errc::refused, drone + " was not brought up by the swarm " + swarm);
     }
     return answers;
 }

@@ -292,10 +292,9 @@ std::vector<Answer> Application::Core::ask_all(const std::vector<std::string>& d
         }
         auto outcome = wait_for(replies[i]);
         --in_progress[drones[i]];
-        if (const auto* error = std::get_if<Error>(&outcome))
-            answers.push_back({drones[i], {}, named(drones[i], *error)});
-        else
-            answers.push_back({drones[i], std::get<Json>(std::move(outcome)), std::nullopt});
+        if (const auto* error = error_of(outcome))
+            outcome = named(drones[i], *error);
+        answers.push_back({drones[i], std::move(outcome)});
     }
     return answers;
 }

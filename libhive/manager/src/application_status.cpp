@@ -13,17 +13,16 @@ constexpr int most_pages = 64;
 /// Adds the next page to the answer. @return whether there is another one
 bool take_page(StatusAnswer& answer, const Answer& page)
 try {
-    if (page.error)
-        throw *page.error;
-    auto status = status_from_json(page.result);
-    const auto listed = rows_listed(status);
-    if (rows_listed(answer.status) == 0)
-        answer.status = std::move(status);
+    auto& status = std::get<Status>(answer.status);
+    auto next = status_from_json(value_or_throw(page.result));
+    const auto listed = rows_listed(next);
+    if (rows_listed(status) == 0)
+        status = std::move(next);
     else
-        add_page(answer.status, std::move(status));
-    return listed > 0 && answer.status.rows_left_out > 0;
+        add_page(status, std::move(next));
+    return listed > 0 && status.rows_left_out > 0;
 } catch (const Error& error) {
-    answer.error = error;
+    answer.status = error;
     return false;
 }
 
@@ -33,7 +32,7 @@ void Application::Core::note_answers(const std::vector<StatusAnswer>& answers)
 {
     std::vector<Place> answered;
     for (const auto& answer : answers)
-        if (!answer.error && !answer.place.address.empty() && !is_here(answer.place))
+        if (value_of(answer.status) && !answer.place.address.empty() && !is_here(answer.place))
             answered.push_back(answer.place);
     directory.list().answered(answered);
 }
@@ -44,7 +43,7 @@ std::vector<StatusAnswer> Application::status(const std::vector<std::string>& dr
     const auto places = core_->places_or_errors(drones);
     for (std::size_t i = 0; i < drones.size(); ++i) {
         const auto* place = std::get_if<Place>(&places[i]);
-        answers.push_back({.drone = drones[i], .status = {}, .error = {}, .place = place ? *place : Place{}});
+        answers.push_back({.drone = drones[i], .status = {}, .place = place ? *place : Place{}});
     }
     std::vector<StatusAnswer*> unfinished;
     std::ranges::transform(answers, std::back_inserter(unfinished), [](StatusAnswer& answer) { return &answer; });
@@ -54,7 +53,7 @@ std::vector<StatusAnswer> Application::status(const std::vector<std::string>& dr
         std::vector<Json> headers;
         for (const auto* answer : unfinished) {
             names.push_back(answer->drone);
-            const auto listed = rows_listed(answer->status);
+            const auto listed = rows_listed(std::get<Status>(answer->status));
             headers.push_back(listed > 0 ? Json{{"skip", listed}} : Json::object());
         }
         const auto pages = core_->ask_all(names, protocol::PacketType::status, headers);
@@ -71,10 +70,7 @@ std::vector<StatusAnswer> Application::status(const std::vector<std::string>& dr
 Status Application::status(const std::string& drone)
 {
     core_->place(drone);
-    auto answer = status(std::vector{drone}).at(0);
-    if (answer.error)
-        throw *answer.error;
-    return std::move(answer.status);
+    return value_or_throw(status(std::vector{drone}).at(0).status);
 }
 
 }  // namespace hive

@@ -19,7 +19,7 @@ std::optional<Answers> answers_of(const Looks& looks, const std::string& drone)
 {
     const auto answer_in = [&](const std::vector<StatusAnswer>& look) {
         const auto found = std::ranges::find(look, drone, &StatusAnswer::drone);
-        return found == look.end() || found->error ? nullptr : &found->status;
+        return found == look.end() ? nullptr : value_of(found->status);
     };
     Answers answers{answer_in(looks.first), answer_in(looks.second), answer_in(looks.third)};
     if (!answers[1] || !answers[2] || answers[1]->epoch != answers[2]->epoch)
@@ -206,13 +206,13 @@ std::string state_of(const AuditRow& row)
 }
 
 /// An input's losses do not end with the connection.
-void add_closed(Audit& audit, const StatusAnswer& answer)
+void add_closed(Audit& audit, const std::string& drone, const Status& status)
 {
-    for (const auto& input : answer.status.left) {
-        AuditRow row{.ends = {.from = closed, .to = answer.drone + "." + input.input, .at_receiver = input},
-                     .receiver_answers = !answer.error};
+    for (const auto& input : status.left) {
+        AuditRow row{.ends = {.from = closed, .to = drone + "." + input.input, .at_receiver = input},
+                     .receiver_answers = true};
         check_ends(row);
-        add_losses(row, &answer.status);
+        add_losses(row, &status);
         if (row.lost() > 0 || !row.differences.empty())
             audit.rows.push_back(std::move(row));
     }
@@ -259,9 +259,9 @@ Audit audit(const std::vector<StatusAnswer>& first, const std::vector<StatusAnsw
         audit.rows.push_back(std::move(row));
     }
     for (const auto& answer : third)
-        add_closed(audit, answer);
-    for (const auto& answer : third)
-        if (answer.error)
+        if (const auto* status = value_of(answer.status))
+            add_closed(audit, answer.drone, *status);
+        else
             audit.silent.push_back(answer.drone);
     return audit;
 }

@@ -265,9 +265,10 @@ std::set<std::string> upstream_of(Application& application, std::vector<std::str
     while (!drones.empty()) {
         const auto answers = application.status(std::exchange(drones, {}));
         for (const auto& answer : answers)
-            for (const auto& input : answer.error ? std::vector<InputStatus>{} : answer.status.inputs)
-                if (auto name = parse_endpoint(input.from).drone; !name.empty() && found.insert(name).second)
-                    drones.push_back(std::move(name));
+            if (const auto* status = value_of(answer.status))
+                for (const auto& input : status->inputs)
+                    if (auto name = parse_endpoint(input.from).drone; !name.empty() && found.insert(name).second)
+                        drones.push_back(std::move(name));
     }
     return found;
 }

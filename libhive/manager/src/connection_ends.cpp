@@ -37,19 +37,21 @@ std::vector<ConnectionEnds> connection_ends(const std::vector<StatusAnswer>& sta
 {
     std::vector<ConnectionEnds> all;
     for (const auto& answer : statuses)
-        for (const auto& output : answer.status.outputs)
-            for (const auto& edge : output.edges)
-                all.push_back({.from = answer.drone + "." + output.name, .to = edge.receiver, .at_sender = edge});
+        if (const auto* status = value_of(answer.status))
+            for (const auto& output : status->outputs)
+                for (const auto& edge : output.edges)
+                    all.push_back({.from = answer.drone + "." + output.name, .to = edge.receiver, .at_sender = edge});
     for (const auto& answer : statuses)
-        for (const auto& input : answer.status.inputs) {
-            const std::string to = answer.drone + "." + input.input;
-            const auto same =
-                std::ranges::find_if(all, [&](const ConnectionEnds& ends) { return same_connection(ends, to, input); });
-            if (same != all.end())
-                same->at_receiver = input;
-            else
-                all.push_back({.from = input.from, .to = to, .at_receiver = input});
-        }
+        if (const auto* status = value_of(answer.status))
+            for (const auto& input : status->inputs) {
+                const std::string to = answer.drone + "." + input.input;
+                const auto same = std::ranges::find_if(
+                    all, [&](const ConnectionEnds& ends) { return same_connection(ends, to, input); });
+                if (same != all.end())
+                    same->at_receiver = input;
+                else
+                    all.push_back({.from = input.from, .to = to, .at_receiver = input});
+            }
     for (auto& ends : all) {
         ends.from_host = host_of(ends.from, statuses);
         ends.to_host = ends.is_group() ? "" : host_of(ends.to, statuses);

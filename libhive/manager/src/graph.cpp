@@ -116,11 +116,13 @@ SwarmGraph graph(Application& application)
 SwarmGraph graph(const std::vector<StatusAnswer>& statuses, std::vector<GraphDrone> crashed)
 {
     SwarmGraph graph;
-    for (const auto& answer : statuses)
+    for (const auto& answer : statuses) {
+        const auto* status = value_of(answer.status);
         graph.drones.push_back({.name = answer.drone,
                                 .host = answer.place.host,
-                                .kind = answer.error ? "" : answer.status.kind,
-                                .state = answer.error ? "silent" : std::string(token(answer.status.state))});
+                                .kind = status ? status->kind : "",
+                                .state = status ? std::string(token(status->state)) : "silent"});
+    }
     auto names = names_of(graph);
     std::set<std::string> gone;
     for (auto& drone : crashed)

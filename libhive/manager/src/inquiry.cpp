@@ -9,11 +9,11 @@ namespace {
 
 StatusAnswer answer_of(const std::string& drone, const Place& place, const event::Outcome& outcome)
 try {
-    if (const auto* error = std::get_if<Error>(&outcome))
+    if (const auto* error = error_of(outcome))
         throw named(drone, *error);
-    return {.drone = drone, .status = status_from_json(std::get<Json>(outcome)), .error = {}, .place = place};
+    return {.drone = drone, .status = status_from_json(std::get<Json>(outcome)), .place = place};
 } catch (const Error& error) {
-    return {.drone = drone, .status = {}, .error = error, .place = place};
+    return {.drone = drone, .status = error, .place = place};
 }
 
 }  // namespace

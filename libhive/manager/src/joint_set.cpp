@@ -214,10 +214,9 @@ SetResult JointSet::unchanged() const
     SetResult result{.answers = {}, .changed = SetResult::Changed::none};
     for (const auto& part : parts_)
         if (const auto* error = error_in(part->prepared))
-            result.answers.push_back({part->drone, {}, named(part->drone, *error)});
+            result.answers.push_back({part->drone, named(part->drone, *error)});
         else
-            result.answers.push_back(
-                {part->drone, {}, Error(Errc::refused, part->drone + ": unchanged, because " + why)});
+            result.answers.push_back({part->drone, Error(Errc::refused, part->drone + ": unchanged, because " + why)});
     return result;
 }
 
@@ -227,15 +226,13 @@ SetResult JointSet::committed() const
     for (const auto& part : parts_) {
         const auto* error = error_in(part->decided);
         if (!error) {
-            result.answers.push_back(
-                {part->drone, std::get<Json>(*part->decided).value("parameters", Json::object()), {}});
+            result.answers.push_back({part->drone, std::get<Json>(*part->decided).value("parameters", Json::object())});
             continue;
         }
         result.changed = SetResult::Changed::unclear;
         const bool unknown = error->code() == Errc::connection_lost || error->code() == Errc::timeout;
         result.answers.push_back(
             {part->drone,
-             {},
              Error(unknown ? Errc::connection_lost : error->code(),
                    part->drone + (unknown ? ": unknown whether it has the new values: " : ": kept its old values: ")
                        + error->what())});

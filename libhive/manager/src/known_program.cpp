@@ -12,11 +12,11 @@ KnownProgram known_program(Application& application, const std::string& drone)
 {
     KnownProgram known;
     if (std::ranges::binary_search(application.drones(), drone))
-        if (const auto answer = application.status(std::vector{drone}).at(0); !answer.error) {
-            const auto& status = answer.status;
-            known.kind = status.order && !status.order->kind.empty() ? status.order->kind : status.kind;
+        if (const auto answer = application.status(std::vector{drone}).at(0);
+            const auto* status = value_of(answer.status)) {
+            known.kind = status->order && !status->order->kind.empty() ? status->order->kind : status->kind;
             if (answer.place.host != Place::here)
-                known.parameters = application.asked({drone}).at(0).result;
+                known.parameters = value_or_none(application.asked({drone}).at(0).result);
         }
     if (const auto state = event::Home(application.home()).read_state(drone)) {
         const Fields fields(*state, "the state of " + drone);

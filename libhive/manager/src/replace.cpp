@@ -89,7 +89,7 @@ std::int64_t silent_process(Inquiry& inquiry, const event::Home& home, const std
     std::vector<StatusAnswer> answers;
     while ((answers = inquiry.take()).empty())
         inquiry.wait(Clock::now() + timeout, {});
-    const auto& error = answers.front().error;
+    const auto* error = error_of(answers.front().status);
     return error && is_silence(*error) && holds(home, drone, pid) ? pid : 0;
 }
 
@@ -129,12 +129,13 @@ void kill(Inquiry& inquiry, const event::Home& home, const std::string& drone, s
 std::int64_t pid_of(Application& application, const std::string& drone, bool forced)
 {
     const auto answer = application.status(std::vector{drone}).at(0);
-    if (!answer.error)
-        return answer.status.pid;
-    if (!is_silence(*answer.error))
-        throw *answer.error;
+    const auto* error = error_of(answer.status);
+    if (!error)
+        return std::get<Status>(answer.status).pid;
+    if (!is_silence(*error))
+        throw *error;
     if (!forced)
-        throw Error(answer.error->code(), answer.error->what(),
+        throw Error(error->code(), error->what(),
                     "kill it, and start a new one with its parameters and connections: hivectl replace " + drone
                         + " --force");
     return 0;

@@ -141,7 +141,7 @@ void FreshDrone::until_ready()
         if (!home.alive(order_.name))
             continue;
         const auto answer = application_.status(std::vector{order_.name}).at(0);
-        if (!answer.error && answer.status.state != State::starting)
+        if (const auto* status = value_of(answer.status); status && status->state != State::starting)
             return;
     }
     throw Error(Errc::timeout, "the fresh " + order_.name + " was not ready in time",
@@ -205,13 +205,15 @@ std::optional<Status> FreshDrone::until_finished()
 {
     for (; in_time() && !process_.ended(); pause()) {
         const auto answer = application_.status(std::vector{order_.name}).at(0);
+        const auto* status = value_of(answer.status);
+        if (!status)
+            continue;
         std::int64_t finished = 0;
-        for (const auto& input : answer.status.left)
+        for (const auto& input : status->left)
             finished += input.processed + input.abandoned + input.duplicates + input.discarded + input.dropped
                         + input.unmatched;
-        if (!answer.error && finished >= static_cast<std::int64_t>(failure_.inputs.size())
-            && answer.status.state != State::busy)
-            return answer.status;
+        if (finished >= static_cast<std::int64_t>(failure_.inputs.size()) && status->state != State::busy)
+            return *status;
     }
     return std::nullopt;
 }

@@ -27,7 +27,7 @@ void require_free(Application& application, const StartOptions& options)
         return;
     const auto place = application.place(name);
     const auto where = place.host == Place::here ? "" : ", at " + place.address;
-    if (!where.empty() && application.status(std::vector{name}).at(0).error) {
+    if (!where.empty() && error_of(application.status(std::vector{name}).at(0).status)) {
         const bool listed = application.forget_place(place);
         if (options.told)
             options.told(name + where + ", does not answer; "
@@ -65,10 +65,10 @@ std::optional<Place> found_ready(Application& application, const StartOptions& o
     for (const auto end = Clock::now() + options.limit; Clock::now() < end;
          inquiry.wait(std::min(end, Clock::now() + 10ms), {})) {
         const auto answer = application.status(std::vector{reference_of(application, options)}).at(0);
-        if (answer.error && answer.error->code() == Errc::not_found)
+        if (const auto* error = error_of(answer.status); error && error->code() == Errc::not_found)
             break;
-        if (!answer.error && answer.status.state != State::starting)
-            return is_of_kind(answer.status, options.drone.kind) ? std::optional(answer.place) : std::nullopt;
+        if (const auto* status = value_of(answer.status); status && status->state != State::starting)
+            return is_of_kind(*status, options.drone.kind) ? std::optional(answer.place) : std::nullopt;
         if (options.cancelled && options.cancelled())
             throw Error(Errc::stopped, "cancelled while " + options.drone.name + " was starting");
     }
@@ -154,11 +154,12 @@ bool Start::answers()
 {
     inquiry_.ask({name() + "@" + started_->place.host}, 2s);
     for (const auto& answer : inquiry_.take()) {
-        if (!answer.error)
-            return answer.status.state != State::starting;
-        if (answer.error->code() == Errc::not_permitted)
-            throw engine_->explained(*answer.error);  // a wrong key does not become right by waiting
-        engine_->look_again(name(), *answer.error);
+        const auto* error = error_of(answer.status);
+        if (!error)
+            return std::get<Status>(answer.status).state != State::starting;
+        if (error->code() == Errc::not_permitted)
+            throw engine_->explained(*error);  // a wrong key does not become right by waiting
+        engine_->look_again(name(), *error);
     }
     return false;
 }

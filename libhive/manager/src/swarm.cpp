@@ -109,8 +109,9 @@ void report_conditions(Application& application, const std::vector<SwarmStep>& s
         inquiry.ask({waiting.begin(), waiting.end()}, wait_time);
         inquiry.wait(std::min(end, Clock::now() + pause), {});
         for (const auto& answer : inquiry.take())
-            if (!answer.error && answer.status.why == Reason::none && !answer.status.condition.empty()) {
-                conditions[answer.drone] = answer.status.condition;
+            if (const auto* status = value_of(answer.status);
+                status && status->why == Reason::none && !status->condition.empty()) {
+                conditions[answer.drone] = status->condition;
             } else {
                 conditions.erase(answer.drone);
                 waiting.erase(answer.drone);

@@ -64,10 +64,7 @@ using Answers = std::map<std::string, Answer>;
 /// Throws the error that the drone answers.
 const Json& answer_of(const Answers& answers, const std::string& drone)
 {
-    const auto& answer = answers.at(drone);
-    if (answer.error)
-        throw *answer.error;
-    return answer.result;
+    return value_or_throw(answers.at(drone).result);
 }
 
 /// Addresses at which the receiver can reach the sender, the nearest first; an empty one: by name in the receiver's
@@ -175,12 +172,12 @@ void Application::Core::connect(std::vector<Wire> wires, std::vector<ConnectAnsw
         });
         std::vector<Wire> again;
         for (std::size_t i = 0; i < wires.size(); ++i) {
-            const auto& error = answers[i].error;
+            const auto* error = error_of(answers[i].result);
             if (error && (error->code() == Errc::unreachable || error->code() == Errc::timeout)
                 && tried + 1 < wires[i].ways.size())
                 again.push_back(std::move(wires[i]));
-            else
-                made[wires[i].row].error = error;
+            else if (error)
+                made[wires[i].row].error = *error;
         }
         wires = std::move(again);
     }

@@ -18,7 +18,23 @@ const Error* error_of(const Result<T>& result)
     return std::get_if<Error>(&result);
 }
 
-/// The pointer, or null for an error.
+/// Nothing if there is an error.
+template <class T>
+const T* value_of(const Result<T>& result)
+{
+    return std::get_if<T>(&result);
+}
+
+/// Throws the error if there is no value.
+template <class T>
+const T& value_or_throw(const Result<T>& result)
+{
+    if (const auto* error = error_of(result))
+        throw *error;
+    return std::get<T>(result);
+}
+
+/// An empty value, or a null pointer, for an error.
 template <class T>
 T value_or_none(Result<T> result)
 {

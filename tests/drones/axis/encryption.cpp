@@ -71,7 +71,7 @@ std::string condition_of_a_drone(const Swarm& swarm, const Encrypted& camera, co
     eventually(
         [&] {
             const auto answer = application.status(std::vector<std::string>{"axis"}).at(0);
-            return !answer.error && !(said = answer.status.condition).empty();
+            return !(said = value_or_none(answer.status).condition).empty();
         },
         Milliseconds(10'000));
     application.stop("axis");

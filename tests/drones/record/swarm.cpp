@@ -197,7 +197,7 @@ TEST_CASE(
     REQUIRE_MESSAGE(eventually(
                         [&] {
                             return fs::exists(swarm.home() / "record.sock")
-                                   && !application.status(std::vector<std::string>{"record"}).at(0).error;
+                                   && value_of(application.status(std::vector<std::string>{"record"}).at(0).status);
                         },
                         10'000ms),
                     swarm.log("record"));

@@ -150,7 +150,8 @@ TEST_CASE("save: a live camera is saved up to the requested number, or until Ctr
     REQUIRE(eventually(
         [&] {
             const auto answer = application.status(std::vector<std::string>{"writer"}).at(0);
-            return !answer.error && !answer.status.inputs.empty() && answer.status.inputs[0].processed > 5;
+            const auto* status = value_of(answer.status);
+            return status && !status->inputs.empty() && status->inputs[0].processed > 5;
         },
         10'000ms));
     ::kill(running.pid(), SIGINT);

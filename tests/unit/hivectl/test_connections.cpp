@@ -39,10 +39,11 @@ StatusAnswer camera(std::int64_t epoch, std::int64_t uptime_us, std::int64_t pro
     hive::Status status{.name = "camera", .kind = "camera", .epoch = epoch, .state = hive::State::busy};
     status.uptime_us = uptime_us;
     status.outputs.push_back(image);
-    return {"camera", status, {}};
+    return {"camera", status};
 }
 
-hive::EdgeStatus& edge_of(StatusAnswer& camera) { return camera.status.outputs.at(0).edges.at(0); }
+hive::Status& status_of(StatusAnswer& answer) { return std::get<hive::Status>(answer.status); }
+hive::EdgeStatus& edge_of(StatusAnswer& camera) { return status_of(camera).outputs.at(0).edges.at(0); }
 
 StatusAnswer face(std::int64_t uptime_us, std::int64_t busy_us, std::int64_t processed)
 {
@@ -55,17 +56,17 @@ StatusAnswer face(std::int64_t uptime_us, std::int64_t busy_us, std::int64_t pro
                              .registration = registration,
                              .processed = processed,
                              .last_age_us = 40'000});
-    return {"face", status, {}};
+    return {"face", status};
 }
 
-StatusAnswer silent(const std::string& drone) { return {drone, {}, hive::Error(hive::Errc::timeout, "silent")}; }
+StatusAnswer silent(const std::string& drone) { return {drone, hive::Error(hive::Errc::timeout, "silent")}; }
 
 }  // namespace
 
 TEST_CASE("connections: what both ends know is one row with the counts of both")
 {
     auto receiver = face(0, 0, 4);
-    receiver.status.inputs[0].dropped = 2;
+    status_of(receiver).inputs[0].dropped = 2;
     const auto rows = connection_rows({camera(1, 0, 10, 4), receiver});
     REQUIRE(rows.size() == 1);
     CHECK(rows[0].text("from") == "camera.image");
@@ -145,7 +146,7 @@ TEST_CASE("connections: another registration of the same name is another edge, u
     edge_of(sender).connected = false;
     auto receiver = face(0, 0, 0);
     CHECK(connection_rows({sender, receiver}).size() == 2);
-    receiver.status.inputs[0].connected = false;
+    status_of(receiver).inputs[0].connected = false;
     const auto rows = connection_rows({sender, receiver});
     REQUIRE(rows.size() == 1);
     CHECK(rows[0].text("state") == "gone");
@@ -166,7 +167,7 @@ TEST_CASE("connections: the reason is the sender's, or else the receiver's")
     auto sender = camera(1, 0, 10, 4);
     auto receiver = face(0, 0, 0);
     CHECK(connection_rows({sender, receiver})[0]["why"].is_null());
-    receiver.status.inputs[0].why = Reason::halted;
+    status_of(receiver).inputs[0].why = Reason::halted;
     CHECK(connection_rows({sender, receiver})[0].text("why") == "halted");
     edge_of(sender).why = Reason::not_asked;
     CHECK(connection_rows({sender, receiver})[0].text("why") == "not_asked");
@@ -175,14 +176,14 @@ TEST_CASE("connections: the reason is the sender's, or else the receiver's")
 TEST_CASE("connections: a group stands before its members, and what a member discards is not missing")
 {
     auto sender = camera(1, 0, 10, 4);
-    auto& edges = sender.status.outputs[0].edges;
+    auto& edges = status_of(sender).outputs[0].edges;
     edges[0].options.group = "faces";
     edges.push_back(edge_to("zoo.image", 3, 0));
     hive::EdgeStatus group{.receiver = "group faces", .group = true};
     group.options.group = "faces";
     edges.push_back(group);
     auto receiver = face(0, 0, 0);
-    receiver.status.inputs[0].discarded = 5;
+    status_of(receiver).inputs[0].discarded = 5;
     const auto rows = connection_rows({sender, receiver});
     REQUIRE(rows.size() == 3);
     CHECK(rows[0].text("to") == "zoo.image");
@@ -199,8 +200,8 @@ TEST_CASE(
 {
     const auto advised = [](std::int64_t round_trip_us, int window, std::int64_t skipped) {
         auto from = camera(1, 1'000'000, 100, skipped), to = face(0, 0, 0);
-        from.status.outputs[0].edges[0].options.window = window;
-        to.status.inputs[0].round_trip_us = round_trip_us;
+        status_of(from).outputs[0].edges[0].options.window = window;
+        status_of(to).inputs[0].round_trip_us = round_trip_us;
         return connection_rows({from, to}).at(0)["window_advised"];
     };
     CHECK(advised(100'000, 1, 50) == 7);
@@ -215,8 +216,8 @@ TEST_CASE("rates: clocks that are more than 100 ms apart are shown")
 {
     const auto skew = [](std::int64_t offset_us) {
         auto to = face(0, 0, 0);
-        to.status.inputs[0].round_trip_us = 1000;
-        to.status.inputs[0].clock_offset_us = offset_us;
+        status_of(to).inputs[0].round_trip_us = 1000;
+        status_of(to).inputs[0].clock_offset_us = offset_us;
         const std::vector looks{camera(1, 1'000'000, 100, 0), to};
         return rates_between(looks, looks, 1s).edges.at(0)["skew_us"];
     };
@@ -243,7 +244,7 @@ TEST_CASE("rates: differences over the time between, and the busiest receiver is
 TEST_CASE("rates: an edge whose receiver drops is marked, even when the sender has lost nothing")
 {
     auto later = face(3'000'000, 0, 0);
-    later.status.inputs[0].dropped = 8;
+    status_of(later).inputs[0].dropped = 8;
     const auto rates = rates_between({camera(1, 0, 10, 0), face(0, 0, 0)}, {camera(1, 2'000'000, 20, 0), later}, 2s);
     CHECK(rates.edges.at(0).number("dropped_by_receiver_per_s") == doctest::Approx(4));
     CHECK(rates.edges.at(0).number("dropped_per_s") == 0);
@@ -262,7 +263,7 @@ TEST_CASE("rates: two receivers of one name are each compared with themselves")
 {
     const auto twice = [](std::int64_t first, std::int64_t second) {
         auto answer = camera(1, 0, 0, 0);
-        answer.status.outputs[0].edges = {edge_to("app-1", first, 0), edge_to("app-1", second, 0)};
+        status_of(answer).outputs[0].edges = {edge_to("app-1", first, 0), edge_to("app-1", second, 0)};
         return answer;
     };
     const auto rates = rates_between({twice(10, 100)}, {twice(12, 108)}, 2s);
@@ -273,7 +274,7 @@ TEST_CASE("rates: two receivers of one name are each compared with themselves")
 
 TEST_CASE("stall: an output that has been quiet for a second names its reason and the receivers it is about")
 {
-    auto status = camera(1'000'000, 5'000'000, 10, 4).status;
+    auto status = std::get<hive::Status>(camera(1'000'000, 5'000'000, 10, 4).status);
     auto& output = status.outputs[0];
     output.last_emitted_us = 2'000'000;
     CHECK(stall_text(status).empty());
@@ -285,7 +286,7 @@ TEST_CASE("stall: an output that has been quiet for a second names its reason an
 
 TEST_CASE("stall: of many receivers the first three are named")
 {
-    auto status = camera(1, 5'000'000, 0, 0).status;
+    auto status = std::get<hive::Status>(camera(1, 5'000'000, 0, 0).status);
     status.outputs[0].why = Reason::not_asked;
     status.outputs[0].edges.clear();
     for (int i = 1; i <= 5; ++i) {
@@ -297,10 +298,10 @@ TEST_CASE("stall: of many receivers the first three are named")
 
 TEST_CASE("stall: a detector may have an output that nobody receives, a camera may not")
 {
-    auto detector = face(5'000'000, 0, 0).status;
+    auto detector = std::get<hive::Status>(face(5'000'000, 0, 0).status);
     detector.outputs.push_back({.name = "faces", .type = "application/json", .why = Reason::no_receiver});
     CHECK(stall_text(detector).empty());
-    auto source = camera(1, 5'000'000, 0, 0).status;
+    auto source = std::get<hive::Status>(camera(1, 5'000'000, 0, 0).status);
     source.outputs[0].why = Reason::no_receiver;
     source.outputs.push_back({.name = "exceptions", .type = "application/json", .why = Reason::no_receiver});
     CHECK(stall_text(source) == "image: no receivers");
@@ -308,7 +309,7 @@ TEST_CASE("stall: a detector may have an output that nobody receives, a camera m
 
 TEST_CASE("stall: an input says which sender it misses")
 {
-    auto status = face(5'000'000, 0, 0).status;
+    auto status = std::get<hive::Status>(face(5'000'000, 0, 0).status);
     status.inputs[0].why = Reason::dialing;
     CHECK(stall_text(status) == "image from camera.image: the sender is not connected");
 }
@@ -316,8 +317,8 @@ TEST_CASE("stall: an input says which sender it misses")
 TEST_CASE("rates: events of an output without receivers are not counted")
 {
     auto earlier = camera(1, 0, 10, 0), later = camera(1, 2'000'000, 50, 0);
-    earlier.status.outputs.push_back({.name = "other", .type = "image/png", .produced = 10, .unreceived = 10});
-    later.status.outputs.push_back({.name = "other", .type = "image/png", .produced = 50, .unreceived = 50});
+    status_of(earlier).outputs.push_back({.name = "other", .type = "image/png", .produced = 10, .unreceived = 10});
+    status_of(later).outputs.push_back({.name = "other", .type = "image/png", .produced = 50, .unreceived = 50});
     CHECK(rates_between({earlier}, {later}, 2s).drones[0].number("out_per_s") == doctest::Approx(20));
 }
 

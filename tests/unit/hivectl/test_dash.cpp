@@ -24,8 +24,10 @@ hive::StatusAnswer source_of(std::int64_t events, std::int64_t dropped)
     hive::Status status{.name = "source", .kind = "camera", .epoch = 1, .state = hive::State::idle};
     status.uptime_us = events * 1000;
     status.outputs.push_back({.name = "image", .type = "image/jpeg,image/raw", .produced = events, .edges = {edge}});
-    return {"source", status, {}, {.drone = "source", .host = "local", .address = "unix:/source"}};
+    return {"source", status, {.drone = "source", .host = "local", .address = "unix:/source"}};
 }
+
+hive::Status& status_in(hive::StatusAnswer& answer) { return std::get<hive::Status>(answer.status); }
 
 hive::StatusAnswer worker_of(std::int64_t events, std::int64_t exceptions)
 {
@@ -38,7 +40,7 @@ hive::StatusAnswer worker_of(std::int64_t events, std::int64_t exceptions)
                              .processed = events});
     if (exceptions > 0)
         status.last_exception = {.code = "failed", .text = "no face", .time_us = exceptions};
-    return {"worker", status, {}, {.drone = "worker", .host = "local", .address = "unix:/worker"}};
+    return {"worker", status, {.drone = "worker", .host = "local", .address = "unix:/worker"}};
 }
 
 Look look(std::int64_t events, std::int64_t dropped, std::int64_t exceptions, std::chrono::seconds at)
@@ -107,9 +109,9 @@ TEST_CASE("dash: the bar says what is lost, and how busy machines are")
 
     auto busy = clean;
     for (auto& each : busy)
-        each.answers[0].status.machine.processors = 2;
-    busy[2].answers[0].status.uptime_us = busy[1].answers[0].status.uptime_us + 1'000'000;
-    busy[2].answers[0].status.machine.cpu_us = 1'500'000;
+        status_in(each.answers[0]).machine.processors = 2;
+    status_in(busy[2].answers[0]).uptime_us = status_in(busy[1].answers[0]).uptime_us + 1'000'000;
+    status_in(busy[2].answers[0]).machine.cpu_us = 1'500'000;
     CHECK(bar_of(busy).at("machines").at(0).at("busy_percent") == 75.0);
 }
 
@@ -155,13 +157,13 @@ TEST_CASE("dash: many drones that are alike stand in several columns")
     const auto farthest = [](int workers) {
         auto source = source_of(10, 0);
         std::vector<hive::StatusAnswer> answers;
-        auto edge = source.status.outputs[0].edges.at(0);
-        source.status.outputs[0].edges.clear();
+        auto edge = status_in(source).outputs[0].edges.at(0);
+        status_in(source).outputs[0].edges.clear();
         for (int i = 0; i < workers; ++i) {
             auto worker = worker_of(10, 0);
             worker.drone = "worker-" + std::to_string(i);
             edge.receiver = worker.drone + ".image";
-            source.status.outputs[0].edges.push_back(edge);
+            status_in(source).outputs[0].edges.push_back(edge);
             answers.push_back(worker);
         }
         answers.push_back(source);

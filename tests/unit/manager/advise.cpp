@@ -203,8 +203,7 @@ TEST_CASE("advise: what waits in a queue is younger with a window of 1, or with 
 TEST_CASE("advise: a way goes from the last drone to its source, and those that share a step are together")
 {
     const auto drone = [](const std::string& name, std::vector<InputStatus> inputs) {
-        return StatusAnswer{
-            .drone = name, .status = {.name = name, .kind = name, .inputs = std::move(inputs)}, .error = {}};
+        return StatusAnswer{.drone = name, .status = Status{.name = name, .kind = name, .inputs = std::move(inputs)}};
     };
     const auto from = [](const std::string& end, const std::string& group, std::int64_t age_us) {
         InputStatus input{.input = "in", .from = end, .connected = true};

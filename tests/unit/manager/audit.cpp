@@ -29,8 +29,7 @@ std::vector<StatusAnswer> look(const Counts& counts, std::int64_t receiver_began
                            .received = counts.processed,
                            .processed = counts.processed});
     const Place here{.drone = {}, .host = Place::here, .address = "unix:/x"};
-    return {{.drone = "camera", .status = camera, .error = {}, .place = here},
-            {.drone = "face", .status = face, .error = {}, .place = here}};
+    return {{.drone = "camera", .status = camera, .place = here}, {.drone = "face", .status = face, .place = here}};
 }
 
 }  // namespace
@@ -83,7 +82,7 @@ TEST_CASE("audit: a drone that was started after the first look is compared by t
     CHECK(found.rows[0].receiver_answers);
     CHECK(found.rows[0].differences.size() == 1);
     auto apart = look({10, 10, 10});
-    apart[1].status.inputs.clear();
+    std::get<Status>(apart[1].status).inputs.clear();
     CHECK(audit({}, apart, apart).clean());  // it may still be connecting
     CHECK(audit(look({10, 10, 10}, receiver_epoch - 1), apart, apart).clean());
 }
@@ -91,12 +90,12 @@ TEST_CASE("audit: a drone that was started after the first look is compared by t
 TEST_CASE("audit: ends that do not know of each other are found, unless one look shows that they do")
 {
     auto apart = look({10, 10, 10});
-    apart[1].status.inputs.clear();
+    std::get<Status>(apart[1].status).inputs.clear();
     CHECK(audit(apart, apart, apart).rows[0].differences.at(0)
           == "the sender has it registered, and the receiver is not connected");
     CHECK(audit(look({10, 10, 10}), apart, apart).clean());
     auto unknown = look({10, 10, 10});
-    unknown[0].status.outputs[0].edges.clear();
+    std::get<Status>(unknown[0].status).outputs[0].edges.clear();
     CHECK(audit(unknown, unknown, unknown).rows[0].differences.at(0)
           == "the receiver is connected, and the sender has no such registration");
     CHECK(audit(unknown, look({10, 10, 10}), unknown).clean());
@@ -105,7 +104,7 @@ TEST_CASE("audit: ends that do not know of each other are found, unless one look
 TEST_CASE("audit: what an input has lost stays after its connection was closed")
 {
     auto closed = look({10, 10, 10});
-    auto& face = closed[1].status;
+    auto& face = std::get<Status>(closed[1].status);
     face.left.push_back(face.inputs[0]);
     face.left[0].from = "";
     CHECK(audit(closed, closed, closed).rows.size() == 1);
@@ -127,7 +126,7 @@ TEST_CASE("audit: what an input has lost stays after its connection was closed")
 TEST_CASE("audit: events are lost where they were promised, and a drone that does not answer is named")
 {
     auto lossy = look({20, 10, 10});
-    auto& edge = lossy[0].status.outputs[0].edges[0];
+    auto& edge = std::get<Status>(lossy[0].status).outputs[0].edges[0];
     edge.events.went(Fate::skipped, 5);
     edge.events.went(Fate::lost_left, 1);
     CHECK(audit(lossy, lossy, lossy).clean());
@@ -135,14 +134,14 @@ TEST_CASE("audit: events are lost where they were promised, and a drone that doe
     auto found = audit(lossy, lossy, lossy);
     CHECK(found.rows[0].lost() == 2);
     CHECK_FALSE(found.clean());
-    auto& input = lossy[1].status.inputs[0];
+    auto& input = std::get<Status>(lossy[1].status).inputs[0];
     input.received += 3;
     input.abandoned += 3;
     CHECK(audit(lossy, lossy, lossy).rows[0].lost() == 5);
     input.received += 1;
     CHECK(audit(lossy, lossy, lossy).rows[0].differences.at(0)
           == "the receiver's counts do not add up to the 14 events that it has received");
-    lossy[1].error = Error(Errc::timeout, "no answer");
+    lossy[1].status = Error(Errc::timeout, "no answer");
     found = audit(lossy, lossy, lossy);
     CHECK(found.silent == std::vector<std::string>{"face"});
     CHECK_FALSE(found.rows[0].receiver_answers);

@@ -44,9 +44,10 @@ Look far(std::int64_t skipped, int window = 1)
                            .processed = 500,
                            .round_trip_us = 100'000});
     const Place there{.drone = "face", .host = "gpu1", .address = "tcp://gpu1:7700"};
-    return {{{.drone = "camera", .status = camera, .error = {}},
-             {.drone = "face", .status = face, .error = {}, .place = there}}};
+    return {{{.drone = "camera", .status = camera}, {.drone = "face", .status = face, .place = there}}};
 }
+
+Status& status_at(Look& look, std::size_t i) { return std::get<Status>(look.answers[i].status); }
 
 std::vector<Cause> causes(const Look& look, const Look* earlier = nullptr, const std::string& drone = "face")
 {
@@ -75,7 +76,7 @@ TEST_CASE("explain: copied bodies are a cause only if none goes through shared m
 {
     const auto counted = [](std::int64_t shared, std::int64_t fallback) {
         auto look = far(0);
-        auto& edge = look.answers[0].status.outputs[0].edges[0];
+        auto& edge = status_at(look, 0).outputs[0].edges[0];
         edge.shared = shared;
         edge.fallback = fallback;
         return look;
@@ -107,12 +108,12 @@ TEST_CASE("explain: two earlier answers of all drones are explained without a qu
 TEST_CASE("explain: a sender that this machine does not know is no cause for a receiver that is connected to it")
 {
     auto look = far(0);
-    look.answers[0].error = Error(Errc::not_found, "camera is not running");
+    look.answers[0].status = Error(Errc::not_found, "camera is not running");
     CHECK(causes(look).empty());
-    look.answers[0].error = Error(Errc::invalid_argument, "several are called camera");
+    look.answers[0].status = Error(Errc::invalid_argument, "several are called camera");
     CHECK(causes(look).empty());
-    auto& input = look.answers[1].status.inputs[0];
-    look.answers[0].error = Error(Errc::not_found, "camera is not running");
+    auto& input = status_at(look, 1).inputs[0];
+    look.answers[0].status = Error(Errc::not_found, "camera is not running");
     input.connected = false;
     input.why = Reason::dialing;
     input.error = "no route to cam1";
@@ -127,14 +128,14 @@ TEST_CASE("explain: a sender that this machine does not know is no cause for a r
 TEST_CASE("explain: no text of a peer gets into a command if a shell would run a part of it")
 {
     auto look = far(0);
-    auto& input = look.answers[1].status.inputs[0];
+    auto& input = status_at(look, 1).inputs[0];
     input.connected = false;
     input.why = Reason::refused;
     input.error = "no; run: hivectl key show";
     CHECK(causes(look).at(0).command == "hivectl key show");
     input.error = "no; run: hivectl key show | sh";
     CHECK(causes(look).at(0).command == "hivectl connect camera.image face.image");
-    look.answers[0].error = Error(Errc::not_found, "camera is not running");
+    look.answers[0].status = Error(Errc::not_found, "camera is not running");
     look.answers[1].place = {};
     input.address = "tcp://cam1:7700";
     input.kind = "camera";
@@ -160,7 +161,7 @@ TEST_CASE("explain: no text of a peer gets into a command if a shell would run a
 TEST_CASE("explain: a connection that takes events slowly is a cause only if the sender has to wait for it")
 {
     auto look = far(0);
-    auto& output = look.answers[0].status.outputs[0];
+    auto& output = status_at(look, 0).outputs[0];
     output.why = output.edges[0].why = Reason::lane_full;
     CHECK(causes(look).empty());
     output.last_emitted_us -= 2 * second_us;
@@ -174,7 +175,7 @@ TEST_CASE("explain: a connection that takes events slowly is a cause only if the
 TEST_CASE("explain: a stream that drops events is a cause as long as it does, at the end that drops them")
 {
     auto before = far(0), after = far(0);
-    after.answers[0].status.outputs[0].edges[0].events.went(Fate::dropped, 3);
+    status_at(after, 0).outputs[0].edges[0].events.went(Fate::dropped, 3);
     auto found = causes(after, &before);
     REQUIRE(found.size() == 1);
     CHECK(found[0].what == Cause::What::slow_connection);
@@ -183,9 +184,9 @@ TEST_CASE("explain: a stream that drops events is a cause as long as it does, at
     CHECK(causes(after, &after).empty());
     before = after;
     for (auto* look : {&before, &after})
-        look->answers[1].status.inputs.push_back(
+        status_at(*look, 1).inputs.push_back(
             {.input = "mask", .from = "camera.image", .connected = true, .registration = 8, .dropped = 9});
-    after.answers[1].status.inputs[0].dropped = 7;
+    status_at(after, 1).inputs[0].dropped = 7;
     found = causes(after, &before);
     REQUIRE(found.size() == 1);
     CHECK(found[0].what == Cause::What::slow);
@@ -198,18 +199,18 @@ TEST_CASE("explain: an exception hides no other cause at the first look, when no
 {
     auto before = far(0), after = far(0);
     for (auto* look : {&before, &after}) {
-        auto& face = look->answers[1].status;
+        auto& face = status_at(*look, 1);
         face.condition = "disk full";
         face.last_exception = ExceptionStatus{.text = "bad image", .time_us = begin_us + 59 * second_us};
     }
     REQUIRE(causes(before).size() == 1);
     CHECK(causes(before)[0].what == Cause::What::condition);
-    after.answers[1].status.inputs[0].processed = 600;
+    status_at(after, 1).inputs[0].processed = 600;
     REQUIRE(causes(after, &before).size() == 1);
     CHECK(causes(after, &before)[0].what == Cause::What::condition);
     CHECK(causes(before, &before).at(0).what == Cause::What::throws);
-    before.answers[1].status.last_exception->text = "disk full";  // the condition says more
-    before.answers[1].status.inputs[0].abandoned = 3;
+    status_at(before, 1).last_exception->text = "disk full";  // the condition says more
+    status_at(before, 1).inputs[0].abandoned = 3;
     CHECK(causes(before, &before).at(0).what == Cause::What::condition);
     CHECK(causes(before, &before).at(0).evidence == "3 events abandoned");
 }
@@ -217,7 +218,7 @@ TEST_CASE("explain: an exception hides no other cause at the first look, when no
 TEST_CASE("explain: a cycle of connections, and a receiver that is asked for twice, end the walk")
 {
     auto look = far(0);
-    auto& camera = look.answers[0].status;
+    auto& camera = status_at(look, 0);
     camera.inputs.push_back({.input = "control", .from = "face.faces", .connected = true});
     CHECK(causes(look).empty());
     camera.state = State::halted;
@@ -233,19 +234,19 @@ TEST_CASE("explain: what is slow for all drones of a machine is said once, with 
     auto first = far(0);
     for (auto& answer : first.answers) {
         answer.place.host = "gpu1";
-        answer.status.machine = machine;
+        std::get<Status>(answer.status).machine = machine;
     }
-    first.answers[0].status.pid = 1;
-    first.answers[1].status.pid = 2;
+    status_at(first, 0).pid = 1;
+    status_at(first, 1).pid = 2;
     auto second = first;
     for (auto& answer : second.answers)
-        answer.status.uptime_us += second_us;
+        std::get<Status>(answer.status).uptime_us += second_us;
     CHECK(explaining::machine_causes(first, second).empty());
 
     for (auto& answer : second.answers)
-        answer.status.machine.cpu_us += 2 * second_us;
-    second.answers[0].status.cpu_us += second_us / 2;
-    second.answers[1].status.cpu_us += second_us;
+        std::get<Status>(answer.status).machine.cpu_us += 2 * second_us;
+    status_at(second, 0).cpu_us += second_us / 2;
+    status_at(second, 1).cpu_us += second_us;
     const auto load = explaining::machine_causes(first, second);
     REQUIRE(load.size() == 1);
     CHECK(load[0].what == Cause::What::load);
@@ -255,30 +256,30 @@ TEST_CASE("explain: what is slow for all drones of a machine is said once, with 
     CHECK_FALSE(load[0].blocks);
 
     second = first;
-    second.answers[0].status.machine.memory_available = gigabyte / 10;
-    second.answers[0].status.memory = 5 * gigabyte;
+    status_at(second, 0).machine.memory_available = gigabyte / 10;
+    status_at(second, 0).memory = 5 * gigabyte;
     const auto memory = explaining::machine_causes(first, second);
     REQUIRE(memory.size() == 1);
     CHECK(memory[0].what == Cause::What::memory);
     CHECK(memory[0].text == "gpu1 has 0.1 GB of its 8.0 GB of memory left");
     CHECK(memory[0].evidence == "camera uses 5.0 GB, face uses 0.0 GB");
     CHECK(memory[0].command == "hivectl stop camera");
-    second.answers[0].status.memory = 3 * gigabyte;  // other programs use more
+    status_at(second, 0).memory = 3 * gigabyte;  // other programs use more
     CHECK(explaining::machine_causes(first, second).at(0).command == "hivectl top");
 
     second = first;  // a container of its own: the other drone has enough memory
-    second.answers[1].status.machine = {.processors = 2,
-                                        .cpu_us = 100 * second_us,
-                                        .memory = gigabyte,
-                                        .memory_available = gigabyte / 100,
-                                        .memory_limited = true};
+    status_at(second, 1).machine = {.processors = 2,
+                                    .cpu_us = 100 * second_us,
+                                    .memory = gigabyte,
+                                    .memory_available = gigabyte / 100,
+                                    .memory_limited = true};
     const auto limited = explaining::machine_causes(first, second);
     REQUIRE(limited.size() == 1);
     CHECK(limited[0].drone == "face");
     CHECK(limited[0].text == "the control group of face on gpu1 has 0.0 GB of its 1.0 GB of memory left");
-    second.answers[0].status.machine = second.answers[1].status.machine;  // another container, with the same limit
-    second.answers[0].status.machine.memory_available = gigabyte / 2;
-    second.answers[0].status.memory = gigabyte / 2;
+    status_at(second, 0).machine = status_at(second, 1).machine;  // another container, with the same limit
+    status_at(second, 0).machine.memory_available = gigabyte / 2;
+    status_at(second, 0).memory = gigabyte / 2;
     const auto equal = explaining::machine_causes(first, second);
     REQUIRE(equal.size() == 1);
     CHECK(equal[0].drone == "face");
@@ -286,7 +287,7 @@ TEST_CASE("explain: what is slow for all drones of a machine is said once, with 
 
     second = first;
     second.answers[0].place.host = Place::here;
-    second.answers[1].status.inputs[0].clock_offset_us = -3600 * second_us;
+    status_at(second, 1).inputs[0].clock_offset_us = -3600 * second_us;
     const auto clock = explaining::machine_causes(first, second);
     REQUIRE(clock.size() == 1);
     CHECK(clock[0].what == Cause::What::clock);

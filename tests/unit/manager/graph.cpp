@@ -13,11 +13,8 @@ TEST_CASE("graph: for Graphviz, two machines, a group, an application and a dron
     Status camera{.name = "camera", .kind = "camera", .state = State::halted};
     camera.outputs.push_back({.name = "image", .type = {}, .edges = {to_face, to_gone, away}});
     const std::vector<StatusAnswer> statuses{
-        {.drone = "camera", .status = camera, .error = {}, .place = {.drone = {}, .host = Place::here, .address = {}}},
-        {.drone = "face",
-         .status = {},
-         .error = Error(Errc::timeout, "no"),
-         .place = {.drone = {}, .host = "cam1", .address = {}}}};
+        {.drone = "camera", .status = camera, .place = {.drone = {}, .host = Place::here, .address = {}}},
+        {.drone = "face", .status = Error(Errc::timeout, "no"), .place = {.drone = {}, .host = "cam1", .address = {}}}};
     const auto made = graph(statuses);
     const auto text = to_dot(made);
     CHECK_MESSAGE(text.find(R"(subgraph "cluster local")") != std::string::npos, text);
@@ -48,10 +45,8 @@ TEST_CASE("graph: a drone that crashed stays with its connections, and so does a
          .edges = {gone("boom.in", 0), gone("left.in", 0), gone("app-7", 2), gone("again.in", 3)}});
     Status again{.name = "again", .kind = "face"};
     const auto answer = [](const Status& status) {
-        return StatusAnswer{.drone = status.name,
-                            .status = status,
-                            .error = {},
-                            .place = {.drone = {}, .host = Place::here, .address = {}}};
+        return StatusAnswer{
+            .drone = status.name, .status = status, .place = {.drone = {}, .host = Place::here, .address = {}}};
     };
     const auto died = [](const char* name) {
         return GraphDrone{.name = name, .host = Place::here, .kind = {}, .state = "crashed", .note = "SIGSEGV"};
@@ -72,10 +67,8 @@ TEST_CASE("graph: no name that a peer reports reaches a terminal or Graphviz wit
     Status camera{.name = "camera", .kind = "camera"};
     camera.outputs.push_back(
         {.name = "image", .type = {}, .edges = {EdgeStatus{.receiver = "app\x1b[2J", .connected = true}}});
-    const auto made = graph({{.drone = "camera",
-                              .status = camera,
-                              .error = {},
-                              .place = {.drone = {}, .host = Place::here, .address = {}}}});
+    const auto made =
+        graph({{.drone = "camera", .status = camera, .place = {.drone = {}, .host = Place::here, .address = {}}}});
     for (const auto& text : {to_text(made), to_dot(made)}) {
         CHECK_MESSAGE(text.find('\x1b') == std::string::npos, text);
         CHECK_MESSAGE(text.find("\\x1b[2J") != std::string::npos, text);

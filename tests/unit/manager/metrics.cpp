@@ -46,7 +46,6 @@ StatusAnswer answer(Status status)
     const auto name = status.name;
     return {.drone = name,
             .status = std::move(status),
-            .error = {},
             .place = {.drone = name, .host = Place::here, .address = "unix:/x"}};
 }
 
@@ -236,8 +235,7 @@ TEST_CASE("metrics: what an input has received does not go back when a connectio
 TEST_CASE("metrics: a drone that does not answer, or crashed, is down, and has no other sample")
 {
     StatusAnswer silent{.drone = "face",
-                        .status = {},
-                        .error = Error(Errc::timeout, "no answer"),
+                        .status = Error(Errc::timeout, "no answer"),
                         .place = {.drone = "face", .host = "cam1", .address = "tcp://cam1:7700"}};
     const auto all = metrics({camera(), silent}, {"track"});
     CHECK(sum(all, "hive_drone_up", {{"drone", "camera"}}) == 1);

@@ -103,9 +103,9 @@ Json status_when(hive::Application& application, Condition condition)
 {
     for (const auto end = std::chrono::steady_clock::now() + 10s; std::chrono::steady_clock::now() < end;) {
         const auto answer = application.status(std::vector<std::string>{"subject"}).front();
-        const Json status = answer.error ? Json() : to_json(answer.status);
-        if (!answer.error && condition(status))
-            return status;
+        if (const auto* known = value_of(answer.status))
+            if (const Json status = to_json(*known); condition(status))
+                return status;
         std::this_thread::sleep_for(3ms);
     }
     FAIL("the drone did not come to what was waited for");

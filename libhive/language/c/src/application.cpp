@@ -20,20 +20,20 @@ Json answers_json(const std::vector<Answer>& answers)
 {
     Json list = Json::array();
     for (const auto& answer : answers)
-        if (answer.error)
-            list.push_back({{"drone", answer.drone}, {"error", error_json(*answer.error)}});
+        if (const auto* error = error_of(answer.result))
+            list.push_back({{"drone", answer.drone}, {"error", error_json(*error)}});
         else
-            list.push_back({{"drone", answer.drone}, {"result", answer.result}});
+            list.push_back({{"drone", answer.drone}, {"result", std::get<Json>(answer.result)}});
     return list;
 }
 
 Json answer_json(const StatusAnswer& answer)
 {
     Json object{{"drone", answer.drone}, {"place", place_json(answer.place)}};
-    if (answer.error)
-        object["error"] = error_json(*answer.error);
+    if (const auto* error = error_of(answer.status))
+        object["error"] = error_json(*error);
     else
-        object["status"] = to_json(answer.status);
+        object["status"] = to_json(std::get<Status>(answer.status));
     return object;
 }
 
@@ -48,9 +48,9 @@ std::string state_of(Application& application, const std::string& name)
     if (name.find('@') == std::string::npos && !std::ranges::binary_search(application.drones(), name))
         return "gone";
     const auto answer = application.status(std::vector{name}).at(0);
-    if (!answer.error)
-        return std::string(token(answer.status.state));
-    return answer.error->code() == Errc::timeout ? "silent" : "gone";
+    if (const auto* status = value_of(answer.status))
+        return std::string(token(status->state));
+    return std::get<Error>(answer.status).code() == Errc::timeout ? "silent" : "gone";
 }
 
 bool reached(const std::string& goal, const std::string& state)

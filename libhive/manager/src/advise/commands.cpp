@@ -82,7 +82,8 @@ std::string further_member(Application& application, const Measured& measured, c
         return std::ranges::find(stage.members, drone) != stage.members.end();
     };
     for (const auto& answer : application.status(application.drones()))
-        if (!answer.error && std::ranges::any_of(answer.status.inputs, [&](const InputStatus& input) {
+        if (const auto* status = value_of(answer.status);
+            status && std::ranges::any_of(status->inputs, [&](const InputStatus& input) {
                 return is_member(parse_endpoint(input.from).drone);
             }))
             drones.push_back(answer.drone);

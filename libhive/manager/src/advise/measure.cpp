@@ -45,10 +45,11 @@ struct Looks {
     Look before, after;
 
     /// Null: no answer, or restarted between the two statuses.
-    [[nodiscard]] const StatusAnswer* earlier(const StatusAnswer& now) const
+    [[nodiscard]] const Status* earlier(const StatusAnswer& now) const
     {
         const auto* found = before.find(now.drone);
-        return found && !found->error && !now.error && found->status.epoch == now.status.epoch ? found : nullptr;
+        const auto *then = found ? value_of(found->status) : nullptr, *status = value_of(now.status);
+        return then && status && then->epoch == status->epoch ? then : nullptr;
     }
 };
 
@@ -95,13 +96,19 @@ std::string output_of(const std::vector<Step>& way, std::size_t i, const Status&
     return {};
 }
 
+/// Of a drone that answers.
+const Status& status_of(const Look& look, const std::string& drone)
+{
+    return std::get<Status>(look.find(drone)->status);
+}
+
 std::vector<Endpoint> outputs_of(const Look& look, const std::vector<std::vector<Step>>& ways)
 {
     std::map<std::string, Endpoint> ends;
     for (const auto& way : ways)
         for (std::size_t i = 0; i < way.size(); ++i)
             for (const auto& member : way[i].members)
-                if (const auto port = output_of(way, i, look.find(member)->status); !port.empty())
+                if (const auto port = output_of(way, i, status_of(look, member)); !port.empty())
                     ends[member + "." + port] = {member, port};
     std::vector<Endpoint> outputs;
     for (const auto& [name, end] : ends)
@@ -220,18 +227,18 @@ Stage stage_of(const Looks& looks, const AllSeen& all, const std::vector<Step>& 
         const auto* before = found ? looks.earlier(*found) : nullptr;
         if (!before)
             throw Error(Errc::unreachable, member + " does not answer any more, or was restarted", "try again");
-        const auto& answer = *found;
-        ++stage.hosts[answer.place.host];
+        const auto& now = std::get<Status>(found->status);
+        ++stage.hosts[found->place.host];
         if (stage.host.empty())
-            stage.host = answer.place.host;
-        const auto port = output_of(way, i, answer.status);
-        const auto* seen = seen_of(all, answer.status, port);
-        add_member(stage, done, before->status, answer.status, step, seen, port);
+            stage.host = found->place.host;
+        const auto port = output_of(way, i, now);
+        const auto* seen = seen_of(all, now, port);
+        add_member(stage, done, *before, now, step, seen, port);
         if (seen) {
             ages += seen->age_us;
             aged += seen->events;
             stage.bytes = std::max(stage.bytes, seen->bytes);
-        } else if (const auto rows = inputs_of(answer.status, step); !rows.empty() && rows.front()->last_age_us > 0) {
+        } else if (const auto rows = inputs_of(now, step); !rows.empty() && rows.front()->last_age_us > 0) {
             ages += static_cast<double>(rows.front()->last_age_us);
             ++aged;
             work_follows = true;
@@ -252,7 +259,7 @@ Stage stage_of(const Looks& looks, const AllSeen& all, const std::vector<Step>& 
     stage.remote = stage.round_trip_us > 0 || sender->place.host != receiver.place.host;
     const auto* before = looks.earlier(*sender);
     if (before)
-        add_sender(stage, before->status, sender->status, step);
+        add_sender(stage, *before, std::get<Status>(sender->status), step);
     return stage;
 }
 
@@ -265,18 +272,17 @@ std::map<std::string, MachineLoad> machines_of(const Looks& looks, const std::ve
     std::map<std::string, MachineLoad> machines;
     for (const auto& answer : looks.after.answers) {
         const auto* before = looks.earlier(answer);
-        if (!before || answer.status.machine.processors == 0)
+        const auto* now = value_of(answer.status);
+        if (!before || !now || now->machine.processors == 0)
             continue;
-        const double time = us_between(before->status, answer.status);
+        const double time = us_between(*before, *now);
         auto& machine = machines[answer.place.host];
-        machine.processors = static_cast<double>(answer.status.machine.processors);
+        machine.processors = static_cast<double>(now->machine.processors);
         machine.ssh = answer.place.ssh;
-        machine.busy = std::max(
-            machine.busy, static_cast<double>(answer.status.machine.cpu_us - before->status.machine.cpu_us) / time);
-        const double own = static_cast<double>(answer.status.cpu_us - before->status.cpu_us) / time;
+        machine.busy = std::max(machine.busy, static_cast<double>(now->machine.cpu_us - before->machine.cpu_us) / time);
+        const double own = static_cast<double>(now->cpu_us - before->cpu_us) / time;
         constexpr double noticeable = 0.05;
-        if (!on_way.contains(answer.drone) && own > noticeable
-            && processes.emplace(answer.place.host, answer.status.pid).second)
+        if (!on_way.contains(answer.drone) && own > noticeable && processes.emplace(answer.place.host, now->pid).second)
             machine.drones[answer.drone] = own;
     }
     return machines;
@@ -300,7 +306,7 @@ void ask_interfaces(Application& application, const Looks& looks, Line& line)
     }
     for (std::size_t i = 1; i < line.stages.size(); ++i) {
         auto& stage = line.stages[i];
-        const auto& status = looks.after.find(stage.members.front())->status;
+        const auto& status = status_of(looks.after, stage.members.front());
         const auto inputs = std::ranges::count_if(status.inputs, &InputStatus::connected);
         stage.can_share = inputs == 1 && stage.options.transfer == Transfer::synchronized && status.order
                           && !application.describe(stage.members.front()).stateful;
@@ -355,7 +361,7 @@ Line line_of(Application& application, const Looks& looks, const AllSeen& seen, 
         line.stages.push_back(stage_of(looks, seen, way, i));
     for (std::size_t i = 1; i < line.stages.size(); ++i)
         line.stages[i].bytes = line.stages[i - 1].bytes;
-    const auto& source = looks.after.find(way.front().members.front())->status;
+    const auto& source = status_of(looks.after, way.front().members.front());
     line.on_demand = is_on_demand(source, output_of(way, 0, source));
     line.machines = machines_of(looks, way);
     fit(line);
@@ -369,8 +375,8 @@ void leave_each_once(Look& look)
 {
     std::set<std::tuple<std::string, std::int64_t, std::int64_t>> met;
     std::erase_if(look.answers, [&](const StatusAnswer& answer) {
-        const auto& status = answer.status;
-        return !answer.error && !met.emplace(status.name, status.epoch, status.pid).second;
+        const auto* status = value_of(answer.status);
+        return status && !met.emplace(status->name, status->epoch, status->pid).second;
     });
 }
 
@@ -388,7 +394,7 @@ std::vector<Measured> measure(Application& application, const std::vector<std::s
         return {};
     std::vector<std::string> answering;
     for (const auto& answer : looks.before.answers)
-        if (!answer.error)
+        if (value_of(answer.status))
             answering.push_back(answer.drone);
     const auto collector = watch(application, outputs_of(looks.before, ways));
     looks.before.answers = application.status(answering);

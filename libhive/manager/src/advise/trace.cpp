@@ -14,7 +14,7 @@ using explaining::Look;
 const StatusAnswer* answering(const Look& look, const std::string& drone)
 {
     const auto* answer = look.find(drone);
-    return answer && !answer->error ? answer : nullptr;
+    return answer && value_of(answer->status) ? answer : nullptr;
 }
 
 /// Does it receive from that drone, directly or indirectly?
@@ -29,9 +29,10 @@ bool comes_from(const Look& look, const std::string& drone, const std::string& s
     const auto* answer = answering(look, drone);
     if (!answer || !seen.insert(answer->drone).second)
         return false;
-    return answer->drone == source || std::ranges::any_of(answer->status.inputs, [&](const InputStatus& input) {
-               return carries_events(look, input) && comes_from(look, parse_endpoint(input.from).drone, source, seen);
-           });
+    const auto carries_from = [&](const InputStatus& input) {
+        return carries_events(look, input) && comes_from(look, parse_endpoint(input.from).drone, source, seen);
+    };
+    return answer->drone == source || std::ranges::any_of(std::get<Status>(answer->status).inputs, carries_from);
 }
 
 /// @param passed  drones already on the path: their events are feedback
@@ -56,7 +57,8 @@ std::vector<std::string> members_of(const Look& look, const StatusAnswer& one, c
         return {one.drone};
     std::vector<std::string> members;
     for (const auto& answer : look.answers)
-        if (!answer.error && std::ranges::any_of(answer.status.inputs, [&](const InputStatus& input) {
+        if (const auto* status = value_of(answer.status);
+            status && std::ranges::any_of(status->inputs, [&](const InputStatus& input) {
                 return input.connected && input.from == step.from && input.options.group == step.group;
             }))
             members.push_back(answer.drone);
@@ -69,7 +71,8 @@ std::vector<Step> way_to(const Look& look, const std::string& target, const std:
     std::vector<Step> way;
     std::set<std::string> seen;
     for (const auto* answer = answering(look, target); answer && seen.insert(answer->drone).second;) {
-        const auto* input = answer->drone == source ? nullptr : input_on_way(look, answer->status, source, seen);
+        const auto& status = std::get<Status>(answer->status);
+        const auto* input = answer->drone == source ? nullptr : input_on_way(look, status, source, seen);
         Step step{.members = {answer->drone}};
         if (input) {
             step = {.from = input->from, .input = input->input, .group = input->options.group};
@@ -90,12 +93,14 @@ std::vector<std::string> last_drones(const Look& look)
 {
     std::set<std::string> senders;
     for (const auto& answer : look.answers)
-        for (const auto& input : answer.status.inputs)
-            if (const auto* sender = input.connected ? answering(look, parse_endpoint(input.from).drone) : nullptr)
-                senders.insert(sender->drone);
+        if (const auto* status = value_of(answer.status))
+            for (const auto& input : status->inputs)
+                if (const auto* sender = input.connected ? answering(look, parse_endpoint(input.from).drone) : nullptr)
+                    senders.insert(sender->drone);
     std::vector<std::string> last;
     for (const auto& answer : look.answers)
-        if (!answer.error && !senders.contains(answer.drone) && input_on_way(look, answer.status, ""))
+        if (const auto* status = value_of(answer.status);
+            status && !senders.contains(answer.drone) && input_on_way(look, *status, ""))
             last.push_back(answer.drone);
     return last;
 }
@@ -105,8 +110,7 @@ void require_running(const Look& look, const std::string& drone)
     const auto* answer = look.find(drone);
     if (!answer)
         throw Error(Errc::not_found, drone + " is not running", "see which run: hivectl ps");
-    if (answer->error)
-        throw *answer->error;
+    value_or_throw(answer->status);
 }
 
 }  // namespace

@@ -83,9 +83,9 @@ try {
     return std::nullopt;
 }
 
-bool receives_nothing(const StatusAnswer& answer) { return !answer.error && answer.status.why == Reason::no_input; }
+bool receives_nothing(const Status& status) { return status.why == Reason::no_input; }
 
-bool is_source(const StatusAnswer& answer) { return !answer.error && answer.status.inputs.empty(); }
+bool is_source(const Status& status) { return status.inputs.empty(); }
 
 /// The first drone of the swarm that matches as the other end. @param sends  it is to be the sender
 std::string other_end(Application& application, const std::string& drone, bool sends)
@@ -93,7 +93,8 @@ std::string other_end(Application& application, const std::string& drone, bool s
     const auto own = application.describe(drone);
     std::size_t described = 0;
     for (const auto& answer : application.status(application.drones())) {
-        if (answer.drone == drone || !(sends ? is_source(answer) : receives_nothing(answer))
+        const auto* status = value_of(answer.status);
+        if (answer.drone == drone || !status || !(sends ? is_source(*status) : receives_nothing(*status))
             || ++described > max_described)
             continue;
         const auto other = application.describe(answer.drone);
@@ -208,20 +209,21 @@ void complete(Application& application, std::vector<Cause>& causes)
 std::optional<Cause> unconnected_pair(Application& application, const Endpoint& sender, const Endpoint& receiver)
 {
     const auto answers = application.status(std::vector{sender.drone, receiver.drone});
-    if (answers[0].error || answers[1].error)
+    const auto *at_sender = value_of(answers[0].status), *at_receiver = value_of(answers[1].status);
+    if (!at_sender || !at_receiver)
         return std::nullopt;
-    const auto receives = [](const StatusAnswer& to, const StatusAnswer& from, const std::string& port) {
-        return std::ranges::any_of(to.status.inputs, [&](const InputStatus& input) {
+    const auto receives = [](const Status& to, const Status& from, const std::string& port) {
+        return std::ranges::any_of(to.inputs, [&](const InputStatus& input) {
             const auto output = parse_endpoint(input.from);
-            return output.drone == from.status.name && (port.empty() || output.port == port);
+            return output.drone == from.name && (port.empty() || output.port == port);
         });
     };
-    if (receives(answers[1], answers[0], sender.port))
+    if (receives(*at_receiver, *at_sender, sender.port))
         return std::nullopt;
     const auto from = application.describe(sender.drone), to = application.describe(receiver.drone);
     const auto pair = to_text(sender) + " " + to_text(receiver);
     const auto turned = "hivectl connect " + receiver.drone + " " + sender.drone;
-    if (receives(answers[0], answers[1], ""))
+    if (receives(*at_sender, *at_receiver, ""))
         return pair_cause(What::wrong_way, receiver,
                           receiver.drone + " sends to " + sender.drone + ", and not " + sender.drone + " to "
                               + receiver.drone,

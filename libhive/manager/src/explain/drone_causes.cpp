@@ -136,21 +136,23 @@ Cause& Search::add(What what, const std::string& drone, const std::string& text,
 
 const Status* Search::before(const StatusAnswer& answer) const
 {
-    const auto* earlier = earlier_ ? earlier_->find(answer.drone) : nullptr;
-    return earlier && !earlier->error && earlier->status.epoch == answer.status.epoch ? &earlier->status : nullptr;
+    const auto* found = earlier_ ? earlier_->find(answer.drone) : nullptr;
+    const auto* earlier = found ? value_of(found->status) : nullptr;
+    return earlier && earlier->epoch == std::get<Status>(answer.status).epoch ? earlier : nullptr;
 }
 
 bool Search::moves(const StatusAnswer& answer) const
 {
+    const auto& status = std::get<Status>(answer.status);
     const auto* earlier = before(answer);
     return earlier
-           && (emitted(answer.status) > emitted(*earlier)
-               || processed(answer.status, &InputStatus::processed) > processed(*earlier, &InputStatus::processed));
+           && (emitted(status) > emitted(*earlier)
+               || processed(status, &InputStatus::processed) > processed(*earlier, &InputStatus::processed));
 }
 
 void Search::silent(const StatusAnswer& answer, const std::string& evidence)
 {
-    const auto& error = *answer.error;
+    const auto& error = std::get<Error>(answer.status);
     const auto suspended = absent_.suspended.find(answer.drone);
     if (error.code() == Errc::invalid_argument)  // several have this name, and another machine has the right one
         return;
@@ -191,31 +193,34 @@ Search::Start Search::start_of(const std::string& drone) const
     if (known != absent_.kinds.end())
         return {.command = start_command(known->second, drone)};
     for (const auto& answer : look_.answers)  // after a stop on purpose, its receivers still know it
-        for (const auto& input : answer.status.inputs)
-            if (parse_endpoint(input.from).drone == drone && is_plain_kind(input.kind) && is_startable(input.kind))
-                return {.command = start_command(input.kind, drone)};
+        if (const auto* status = value_of(answer.status))
+            for (const auto& input : status->inputs)
+                if (parse_endpoint(input.from).drone == drone && is_plain_kind(input.kind) && is_startable(input.kind))
+                    return {.command = start_command(input.kind, drone)};
     return {};
 }
 
 std::optional<Search::Start> Search::start_elsewhere(const std::string& drone) const
 {
     for (const auto& answer : look_.answers)
-        for (const auto& input : answer.status.inputs) {
-            const bool beside_receiver = input.address.empty();
-            if (parse_endpoint(input.from).drone != drone || (beside_receiver && !is_elsewhere(answer.place)))
-                continue;
-            Start start{.at = beside_receiver ? answer.place.host : input.address};
-            if (!is_plain_kind(input.kind) || !is_name(drone))
+        if (const auto* status = value_of(answer.status))
+            for (const auto& input : status->inputs) {
+                const bool beside_receiver = input.address.empty();
+                if (parse_endpoint(input.from).drone != drone || (beside_receiver && !is_elsewhere(answer.place)))
+                    continue;
+                Start start{.at = beside_receiver ? answer.place.host : input.address};
+                if (!is_plain_kind(input.kind) || !is_name(drone))
+                    return start;
+                const auto [host, port] = host_and_port(input.address);
+                start.there =
+                    start_command(input.kind, drone)
+                    + (port.empty() ? "" : " --listen tcp://0.0.0.0:" + port);  // where the receivers look for it
+                const auto known = absent_.ssh.find(host);
+                const auto ssh = beside_receiver ? answer.place.ssh : known != absent_.ssh.end() ? known->second : "";
+                if (!ssh.empty())
+                    start.command = start.there + " --on " + ssh;
                 return start;
-            const auto [host, port] = host_and_port(input.address);
-            start.there = start_command(input.kind, drone)
-                          + (port.empty() ? "" : " --listen tcp://0.0.0.0:" + port);  // where the receivers look for it
-            const auto known = absent_.ssh.find(host);
-            const auto ssh = beside_receiver ? answer.place.ssh : known != absent_.ssh.end() ? known->second : "";
-            if (!ssh.empty())
-                start.command = start.there + " --on " + ssh;
-            return start;
-        }
+            }
     return std::nullopt;
 }
 
@@ -228,9 +233,10 @@ std::string Search::restart(const std::string& drone, const std::string& otherwi
 std::string Search::lost_text(const std::string& drone) const
 {
     for (const auto& answer : look_.answers)
-        for (const auto& input : answer.status.inputs)
-            if (parse_endpoint(input.from).drone == hive::drone_of(drone) && input.disconnected_us > 0)
-                return answer.drone + "." + input.input + " lost it " + ago_text(answer.status, input.disconnected_us);
+        if (const auto* status = value_of(answer.status))
+            for (const auto& input : status->inputs)
+                if (parse_endpoint(input.from).drone == hive::drone_of(drone) && input.disconnected_us > 0)
+                    return answer.drone + "." + input.input + " lost it " + ago_text(*status, input.disconnected_us);
     return "";
 }
 
@@ -264,7 +270,7 @@ void Search::not_running(const std::string& drone, const std::string& text, cons
 bool Search::own(const StatusAnswer& answer, bool awaited)
 {
     const auto& name = answer.drone;
-    const auto& status = answer.status;
+    const auto& status = std::get<Status>(answer.status);
     if (status.state == State::starting)
         add(What::starting, name, name + " is starting", "for " + duration_text(status.uptime_us),
             "hivectl wait " + name + " --timeout 60");
@@ -291,7 +297,7 @@ bool Search::own(const StatusAnswer& answer, bool awaited)
 
 bool Search::throws(const StatusAnswer& answer)
 {
-    const auto& status = answer.status;
+    const auto& status = std::get<Status>(answer.status);
     const auto* earlier = before(answer);
     constexpr int events = 3;  // some of which may succeed
     const auto quiet = now_us(status) - newest_emission_us(status);
@@ -312,7 +318,7 @@ bool Search::throws(const StatusAnswer& answer)
 
 bool Search::stuck(const StatusAnswer& answer)
 {
-    const auto& status = answer.status;
+    const auto& status = std::get<Status>(answer.status);
     constexpr std::int64_t noticeable_us = 5 * second_us;
     constexpr int times = 5;  // the usual time
     const auto usual = work_us(status);
@@ -331,12 +337,12 @@ bool Search::stuck(const StatusAnswer& answer)
 
 Cause& Search::slow(const StatusAnswer& answer, const std::string& evidence)
 {
-    const auto usual = work_us(answer.status);
-    auto& cause =
-        add(What::slow, answer.drone,
-            usual > 0 ? answer.drone + " takes " + duration_text(usual) + " for one event" + p99_text(answer.status)
-                      : answer.drone + " works on its first event",
-            evidence + "; busy for " + duration_text(answer.status.busy_for_us), "hivectl top --once");
+    const auto& status = std::get<Status>(answer.status);
+    const auto usual = work_us(status);
+    auto& cause = add(What::slow, answer.drone,
+                      usual > 0 ? answer.drone + " takes " + duration_text(usual) + " for one event" + p99_text(status)
+                                : answer.drone + " works on its first event",
+                      evidence + "; busy for " + duration_text(status.busy_for_us), "hivectl top --once");
     cause.blocks = false;
     return cause;
 }
@@ -344,7 +350,7 @@ Cause& Search::slow(const StatusAnswer& answer, const std::string& evidence)
 /// For a drone that nothing blocks and that reports no cause.
 void Search::quiet(const StatusAnswer& answer, const std::string& port)
 {
-    const auto& status = answer.status;
+    const auto& status = std::get<Status>(answer.status);
     const auto* earlier = before(answer);
     constexpr int periods = 5;
     for (const auto& output : status.outputs) {
@@ -376,7 +382,7 @@ void Search::quiet(const StatusAnswer& answer, const std::string& port)
 
 void Search::unreceived(const StatusAnswer& answer)
 {
-    const auto& status = answer.status;
+    const auto& status = std::get<Status>(answer.status);
     const auto received = [](const OutputStatus& output) {  // now, or earlier by a drone that is gone
         return output.name != "exceptions" && (output.why != Reason::no_receiver || !output.edges.empty());
     };

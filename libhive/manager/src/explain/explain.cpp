@@ -34,7 +34,7 @@ std::vector<std::string> silent_here(const Look& look)
 {
     std::vector<std::string> drones;
     for (const auto& answer : look.answers)
-        if (answer.error && !is_elsewhere(answer.place))
+        if (error_of(answer.status) && !is_elsewhere(answer.place))
             drones.push_back(answer.drone);
     return drones;
 }
@@ -61,7 +61,7 @@ Look look_again(const Look& before, const Ask& ask, bool known)
     Look look = before;
     std::vector<std::string> drones;
     for (const auto& answer : before.answers)
-        if (known || !answer.error || answer.error->code() == Errc::not_found)
+        if (const auto* error = error_of(answer.status); known || !error || error->code() == Errc::not_found)
             drones.push_back(answer.drone);
     for (auto& answer : ask(drones))
         *std::ranges::find(look.answers, answer.drone, &StatusAnswer::drone) = std::move(answer);
@@ -77,17 +77,17 @@ std::vector<Flow> flows(const std::vector<std::string>& drones, const Look& earl
 {
     std::vector<Flow> flows;
     for (const auto& drone : drones) {
-        const auto &before = *earlier.find(drone), &after = *now.find(drone);
-        if (before.error || after.error || before.status.epoch != after.status.epoch)
+        const auto *before = value_of(earlier.find(drone)->status), *after = value_of(now.find(drone)->status);
+        if (!before || !after || before->epoch != after->epoch)
             continue;
-        const auto time = after.status.uptime_us - before.status.uptime_us;
+        const auto time = after->uptime_us - before->uptime_us;
         const auto taken = [&](const Status& status) {
             return processed(status, &InputStatus::processed) + processed(status, &InputStatus::abandoned);
         };
         Flow flow{.drone = drone,
-                  .received_per_s = per_second(taken(after.status) - taken(before.status), time),
-                  .emitted_per_s = per_second(emitted(after.status) - emitted(before.status), time)};
-        for (const auto& input : after.status.inputs)
+                  .received_per_s = per_second(taken(*after) - taken(*before), time),
+                  .emitted_per_s = per_second(emitted(*after) - emitted(*before), time)};
+        for (const auto& input : after->inputs)
             flow.age_us = std::max(flow.age_us, input.last_age_us);
         flows.push_back(flow);
     }
@@ -149,9 +149,9 @@ Explanation explanation(Application& application, const std::vector<std::string>
 {
     const auto first = look_from(application, drones, questions.first);
     for (const auto& answer : first.answers)
-        if (answer.error && answer.error->code() == Errc::invalid_argument
-            && std::ranges::find(drones, answer.drone) != drones.end())
-            throw *answer.error;
+        if (const auto* error = error_of(answer.status);
+            error && error->code() == Errc::invalid_argument && std::ranges::find(drones, answer.drone) != drones.end())
+            throw *error;
     if (!questions.known)
         Inquiry(application).wait(event::Clock::now() + interval, {});
     const auto second = look_again(first, questions.second, questions.known);

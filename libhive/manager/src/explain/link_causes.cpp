@@ -24,9 +24,10 @@ using What = Cause::What;
 /// The row of a registration at its sender; null: it has none.
 const EdgeStatus* edge_of(const StatusAnswer* sender, const std::string& end, const InputStatus& input)
 {
-    if (!sender || sender->error)
+    const auto* status = sender ? value_of(sender->status) : nullptr;
+    if (!status)
         return nullptr;
-    for (const auto& output : sender->status.outputs)
+    for (const auto& output : status->outputs)
         for (const auto& edge : output.edges)
             if (input.from.ends_with("." + output.name) && edge.receiver == end
                 && edge.registration == input.registration)
@@ -41,7 +42,7 @@ Search::Link Search::link_at(const StatusAnswer& receiver, const InputStatus& in
     Link link{.receiver = &receiver,
               .sender = look_.find(parse_endpoint(input.from).drone),
               .from = input.from,
-              .to = receiver.status.name + "." + input.input};
+              .to = std::get<Status>(receiver.status).name + "." + input.input};
     link.edge = edge_of(link.sender, link.to, input);
     link.earlier = earlier_ ? edge_of(earlier_->find(parse_endpoint(input.from).drone), link.to, input) : link.edge;
     link.first_look = earlier_ == nullptr;
@@ -94,13 +95,13 @@ void Search::encoded(const StatusAnswer& answer, const InputStatus& input)
 {
     constexpr double all_the_time = 0.9;
     const auto link = link_at(answer, input);
-    if (!link || link.edge->encoding.empty() || link.sender->status.encoding_us == 0
+    const auto* now = link ? value_of(link.sender->status) : nullptr;
+    if (!now || link.edge->encoding.empty() || now->encoding_us == 0
         || !link.grew([](const EdgeStatus& edge) { return edge.events.of(Fate::skipped); }))
         return;
-    const auto& now = link.sender->status;
     if (const auto* earlier = before(*link.sender))
-        if (static_cast<double>(now.encoding_us - earlier->encoding_us)
-            < all_the_time * static_cast<double>(now.uptime_us - earlier->uptime_us))
+        if (static_cast<double>(now->encoding_us - earlier->encoding_us)
+            < all_the_time * static_cast<double>(now->uptime_us - earlier->uptime_us))
             return;
     const bool near = input.round_trip_us == 0, is_jpeg = link.edge->encoding.starts_with("jpeg");
     slower(What::encoder, link, link.sender->drone + " encodes all the time, as " + link.edge->encoding,
@@ -120,14 +121,15 @@ void Search::dropping(const StatusAnswer& answer, const InputStatus& input)
     if (dropped(*link.edge) > 0 && link.grew(dropped))
         slower(What::slow_connection, link, "the connection takes events more slowly than they are emitted",
                std::to_string(dropped(*link.edge)) + " events dropped before they were sent", "");
+    const auto& status = std::get<Status>(answer.status);
     std::int64_t was = 0;
     if (const auto* earlier = before(answer))
         for (const auto& row : earlier->inputs)
             was += row.from == input.from && row.registration == input.registration ? row.dropped : 0;
     if (input.dropped > was)
         slower(What::slow, link, answer.drone + " takes events more slowly than they come",
-               std::to_string(input.dropped) + " events dropped, " + duration_text(work_us(answer.status))
-                   + " for each event" + p99_text(answer.status),
+               std::to_string(input.dropped) + " events dropped, " + duration_text(work_us(status)) + " for each event"
+                   + p99_text(status),
                "hivectl advise " + answer.drone);
 }
 

@@ -42,10 +42,13 @@ try {
 std::vector<std::string> next_to(const StatusAnswer& answer)
 {
     std::vector<std::string> names;
-    for (const auto& input : answer.status.inputs)  // empty for a drone that did not answer
+    const auto* status = value_of(answer.status);
+    if (!status)
+        return names;
+    for (const auto& input : status->inputs)
         names.push_back(parse_endpoint(input.from).drone);
-    for (const auto& output : answer.status.outputs)
-        if (stalls(answer.status, output))
+    for (const auto& output : status->outputs)
+        if (stalls(*status, output))
             for (const auto* edge : awaited(output))
                 names.push_back(parse_endpoint(edge->receiver).drone);
     return names;
@@ -88,9 +91,13 @@ void Absent::add_machines(Application& application)
 const StatusAnswer* Look::find(const std::string& drone) const
 {
     const auto exact = std::ranges::find(answers, drone, &StatusAnswer::drone);
-    if (exact != answers.end() && (!exact->error || exact->error->code() != Errc::invalid_argument))
+    const auto* error = exact != answers.end() ? error_of(exact->status) : nullptr;
+    if (exact != answers.end() && (!error || error->code() != Errc::invalid_argument))
         return &*exact;
-    const auto same = [&](const StatusAnswer& answer) { return !answer.error && answer.status.name == drone; };
+    const auto same = [&](const StatusAnswer& answer) {
+        const auto* status = value_of(answer.status);
+        return status && status->name == drone;
+    };
     const auto found = std::ranges::find_if(answers, same);
     return found != answers.end() && std::ranges::count_if(answers, same) == 1 ? &*found : nullptr;
 }
@@ -113,7 +120,7 @@ Look look_from(Application& application, const std::vector<std::string>& drones,
         next.clear();
         for (auto& answer : ask(fresh)) {
             auto names = next_to(answer);
-            if (answer.error && !is_elsewhere(answer.place))
+            if (error_of(answer.status) && !is_elsewhere(answer.place))
                 names = look.saved_senders[answer.drone] = senders_in_state(home, answer.drone);
             for (auto& name : names)
                 if (!look.find(name))

@@ -50,22 +50,21 @@ std::vector<Machine> machines_of(const Look& first, const Look& second, const Sa
 {
     std::vector<Machine> machines;
     for (const auto& answer : second.answers) {
-        const auto* const before = first.find(answer.drone);
-        if (answer.error || !before || before->error || before->status.epoch != answer.status.epoch
-            || answer.status.machine.processors == 0)
+        const auto* const found = first.find(answer.drone);
+        const auto *const before = found ? value_of(found->status) : nullptr, *const now = value_of(answer.status);
+        if (!before || !now || before->epoch != now->epoch || now->machine.processors == 0)
             continue;
         auto machine = std::ranges::find_if(machines, [&](const Machine& other) {
-            return other.host == answer.place.host && same(other.status, answer.status.machine);
+            return other.host == answer.place.host && same(other.status, now->machine);
         });
         if (machine == machines.end())
-            machine = machines.insert(machine, Machine{.host = answer.place.host, .status = answer.status.machine});
-        const auto time = std::max<std::int64_t>(1, answer.status.uptime_us - before->status.uptime_us);
+            machine = machines.insert(machine, Machine{.host = answer.place.host, .status = now->machine});
+        const auto time = std::max<std::int64_t>(1, now->uptime_us - before->uptime_us);
         const auto share = [&](std::int64_t from, std::int64_t to) {
             return static_cast<double>(to - from) / static_cast<double>(time);
         };
-        machine->busy = std::max(machine->busy, share(before->status.machine.cpu_us, answer.status.machine.cpu_us));
-        machine->users[answer.status.pid] = {answer.drone, share(before->status.cpu_us, answer.status.cpu_us),
-                                             static_cast<double>(answer.status.memory)};
+        machine->busy = std::max(machine->busy, share(before->machine.cpu_us, now->machine.cpu_us));
+        machine->users[now->pid] = {answer.drone, share(before->cpu_us, now->cpu_us), static_cast<double>(now->memory)};
     }
     return machines;
 }
@@ -141,20 +140,21 @@ void add_clocks(std::vector<Cause>& causes, const Look& look)
     constexpr std::int64_t noticeable_us = 1'000'000;
     std::set<std::pair<std::string, std::string>> known;
     for (const auto& answer : look.answers)
-        for (const auto& input : answer.status.inputs) {
-            const auto* const sender = look.find(parse_endpoint(input.from).drone);
-            if (std::abs(input.clock_offset_us) < noticeable_us || !sender
-                || !known.emplace(sender->place.host, answer.place.host).second)
-                continue;
-            auto& differs = causes.emplace_back(cause(What::clock, {answer.drone},
-                                                      "the clock of " + machine_text(sender->place.host) + " is "
-                                                          + duration_text(std::abs(input.clock_offset_us))
-                                                          + (input.clock_offset_us > 0 ? " ahead of" : " behind")
-                                                          + " that of " + machine_text(answer.place.host)));
-            differs.evidence = "measured between " + sender->drone + " and " + answer.drone;
-            differs.command =
-                (sender->place.ssh.empty() ? "" : "ssh " + sender->place.ssh + " ") + "timedatectl set-ntp true";
-        }
+        if (const auto* const status = value_of(answer.status))
+            for (const auto& input : status->inputs) {
+                const auto* const sender = look.find(parse_endpoint(input.from).drone);
+                if (std::abs(input.clock_offset_us) < noticeable_us || !sender
+                    || !known.emplace(sender->place.host, answer.place.host).second)
+                    continue;
+                auto& differs = causes.emplace_back(cause(What::clock, {answer.drone},
+                                                          "the clock of " + machine_text(sender->place.host) + " is "
+                                                              + duration_text(std::abs(input.clock_offset_us))
+                                                              + (input.clock_offset_us > 0 ? " ahead of" : " behind")
+                                                              + " that of " + machine_text(answer.place.host)));
+                differs.evidence = "measured between " + sender->drone + " and " + answer.drone;
+                differs.command =
+                    (sender->place.ssh.empty() ? "" : "ssh " + sender->place.ssh + " ") + "timedatectl set-ntp true";
+            }
 }
 
 }  // namespace
@@ -178,19 +178,23 @@ std::vector<Cause> machine_causes(const Look& first, const Look& second)
 std::vector<Cause> same_names(const Look& look)
 {
     std::map<std::string, std::vector<const StatusAnswer*>> drones;
+    const auto status_of = [](const auto* answer) -> const Status& { return std::get<Status>(answer->status); };
     for (const auto& answer : look.answers) {
-        auto& same = drones[answer.status.name];
+        const auto* const status = value_of(answer.status);
+        if (!status)
+            continue;
+        auto& same = drones[status->name];
         const auto is_it = [&](const auto* other) {  // under another reference
-            return other->status.epoch == answer.status.epoch && other->status.pid == answer.status.pid;
+            return status_of(other).epoch == status->epoch && status_of(other).pid == status->pid;
         };
-        if (!answer.error && std::ranges::none_of(same, is_it))
+        if (std::ranges::none_of(same, is_it))
             same.push_back(&answer);
     }
     std::vector<Cause> causes;
     for (auto& [name, answers] : drones) {
         if (answers.size() < 2)
             continue;
-        std::ranges::sort(answers, {}, [](const auto* answer) { return answer->status.epoch; });
+        std::ranges::sort(answers, {}, [&](const auto* answer) { return status_of(answer).epoch; });
         auto& same = causes.emplace_back(cause(What::same_name, User{.drone = name},
                                                std::to_string(answers.size()) + " drones are called " + name
                                                    + ", so commands with this name alone are refused"));

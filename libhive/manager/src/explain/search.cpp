@@ -60,7 +60,7 @@ std::int64_t emitted(const Status& status)
 void Search::target(const std::string& drone, const std::string& port)
 {
     const auto* answer = look_.find(drone);
-    if (above(drone) || !answer || answer->error)
+    if (above(drone) || !answer || error_of(answer->status))
         return;
     const auto found = causes_.size();
     outputs(*answer, port);
@@ -76,10 +76,10 @@ void Search::connection(const Endpoint& sender, const Endpoint& receiver)
     if (!answer)
         return;
     above(receiver.drone, &sender);
-    if (answer->error)
+    if (error_of(answer->status))
         return;
     const auto* from = look_.find(sender.drone);
-    if (from && !from->error && causes_.empty())
+    if (from && value_of(from->status) && causes_.empty())
         quiet(*from, sender.port);
 }
 
@@ -89,18 +89,19 @@ bool Search::above(const std::string& drone, const Endpoint* only, const std::st
     const auto* answer = look_.find(drone);
     if (!answer || !seen_.insert(answer->drone).second)
         return false;
-    if (answer->error) {
+    const auto* status = value_of(answer->status);
+    if (!status) {
         if (const auto senders = look_.saved_senders.find(answer->drone); senders != look_.saved_senders.end())
             for (const auto& sender : senders->second)
                 above(sender);
         silent(*answer, evidence);
         return true;
     }
-    for (const auto& input : answer->status.inputs)
+    for (const auto& input : status->inputs)
         if (!only || is_from(input, *only))
             link(*answer, input);
     passed_.push_back(answer->drone);
-    if (!own(*answer) && answer->status.why == Reason::backlog)
+    if (!own(*answer) && status->why == Reason::backlog)
         outputs(*answer, "");
     return causes_.size() > found;
 }
@@ -110,10 +111,11 @@ void Search::link(const StatusAnswer& receiver, const InputStatus& input)
     const auto* sender = look_.find(parse_endpoint(input.from).drone);
     const auto port = parse_endpoint(input.from).port;
     const auto found = causes_.size();
-    const auto code = sender && sender->error ? std::optional(sender->error->code()) : std::nullopt;
+    const auto* error = sender ? error_of(sender->status) : nullptr;
     // This machine need not know a drone that the receiver knows.
-    const bool unknown = !sender || (code == Errc::not_found && (input.connected || is_elsewhere(receiver.place)));
-    if (!unknown && code) {
+    const bool unknown =
+        !sender || (error && error->code() == Errc::not_found && (input.connected || is_elsewhere(receiver.place)));
+    if (!unknown && error) {
         above(sender->drone, nullptr, receiver.drone + "." + input.input + " receives from it");
         return;
     }
@@ -136,15 +138,16 @@ void Search::link(const StatusAnswer& receiver, const InputStatus& input)
 
 void Search::outputs(const StatusAnswer& answer, const std::string& port)
 {
-    for (const auto& output : answer.status.outputs)
-        if (is_meant(output, port) && stalls(answer.status, output))
+    const auto& status = std::get<Status>(answer.status);
+    for (const auto& output : status.outputs)
+        if (is_meant(output, port) && stalls(status, output))
             waits(answer, output);
 }
 
 void Search::waits(const StatusAnswer& answer, const OutputStatus& output)
 {
     const auto end = answer.drone + "." + output.name;
-    const auto since = "nothing for " + duration_text(quiet_us(answer.status, output));
+    const auto since = "nothing for " + duration_text(quiet_us(std::get<Status>(answer.status), output));
     if (output.why == Reason::held)
         add(Cause::What::held, answer.drone, "lossless events of " + end + " wait for a receiver of bodies", since);
     else if (output.why == Reason::no_receiver)
@@ -165,14 +168,15 @@ void Search::waits(const StatusAnswer& answer, const OutputStatus& output)
 void Search::below(const StatusAnswer& sender, const OutputStatus& output, const EdgeStatus& edge)
 {
     const auto* answer = look_.find(parse_endpoint(edge.receiver).drone);
-    const bool missing = !answer || (answer->error && answer->error->code() == Errc::not_found);
+    const auto* error = answer ? error_of(answer->status) : nullptr;
+    const bool missing = !answer || (error && error->code() == Errc::not_found);
     if (edge.receiver == self_ || !waited_for_.insert(answer ? answer->drone : edge.receiver).second)
         return;
-    const Wait wait{sender.drone + "." + output.name, edge, quiet_us(sender.status, output)};
+    const Wait wait{sender.drone + "." + output.name, edge, quiet_us(std::get<Status>(sender.status), output)};
     const auto found = causes_.size();
     if (missing) {
         missing_receiver(sender, wait);
-    } else if (answer->error) {
+    } else if (error) {
         silent(*answer, wait.text());
     } else {
         if (!own(*answer, edge.connected))
@@ -214,8 +218,9 @@ bool Search::is_under_way(const StatusAnswer& receiver, const EdgeStatus& edge)
     const auto awaits = [&](const InputStatus& input) {
         return input.registration == edge.registration && !input.address.empty() && input.queued + input.in_hand == 0;
     };
-    return edge.events.in_flight() > edge.waiting && receiver.status.state == State::idle
-           && std::ranges::any_of(receiver.status.inputs, awaits);
+    const auto& status = std::get<Status>(receiver.status);
+    return edge.events.in_flight() > edge.waiting && status.state == State::idle
+           && std::ranges::any_of(status.inputs, awaits);
 }
 
 Cause& Search::receiver_cause(const StatusAnswer& answer, const Wait& wait)
@@ -227,7 +232,7 @@ Cause& Search::receiver_cause(const StatusAnswer& answer, const Wait& wait)
     if (wait.edge.why == Reason::lane_full || is_under_way(answer, wait.edge))
         return add(Cause::What::slow_connection, answer.drone,
                    "the connection takes events more slowly than " + wait.end + " makes them", wait.text());
-    if (wait.edge.why == Reason::not_asked && answer.status.state == State::busy)
+    if (wait.edge.why == Reason::not_asked && std::get<Status>(answer.status).state == State::busy)
         return slow(answer, wait.text());
     return add(Cause::What::waits, answer.drone,
                wait.end + " waits for " + wait.edge.receiver + ": " + std::string(sentence(wait.edge.why)), wait.text(),

@@ -139,7 +139,7 @@ void add_distance(Book& book, const std::string& drone, const InputStatus& input
 
 void add_drone(Book& book, const StatusAnswer& answer)
 {
-    const auto& status = answer.status;
+    const auto& status = std::get<Status>(answer.status);
     const Labels labels{{"drone", answer.drone}};
     book.add(drone,
              {{"drone", answer.drone},
@@ -171,11 +171,11 @@ Metrics metrics(const std::vector<StatusAnswer>& answers, const std::vector<std:
 {
     Book book;
     for (const auto& answer : answers)
-        book.add(drone_up, {{"drone", answer.drone}, {"host", answer.place.host}}, answer.error ? 0 : 1);
+        book.add(drone_up, {{"drone", answer.drone}, {"host", answer.place.host}}, value_of(answer.status) ? 1 : 0);
     for (const auto& name : crashed)
         book.add(drone_up, {{"drone", name}, {"host", Place::here}}, 0);
     for (const auto& answer : answers)
-        if (!answer.error)
+        if (value_of(answer.status))
             add_drone(book, answer);
     return book.take();
 }

@@ -58,13 +58,14 @@ private:
 /// A drone may differ in kind or machine only if the earlier plan had it so; any other belongs to another swarm.
 RunningDrones::Running RunningDrones::compared(const SwarmDrone& planned, const StatusAnswer& answer)
 {
+    const auto& status = std::get<Status>(answer.status);
     const bool shared = !may_change(plan_, planned, answer);
     Running drone{.planned = &planned,
                   .before = shared ? nullptr : before_.drone(planned.name),
                   .answer = &answer,
                   .shared = shared};
-    const bool known = drone.before && is_of_kind(answer.status, drone.before->kind)
-                       && answer.place.host == host_of(before_, *drone.before);
+    const bool known =
+        drone.before && is_of_kind(status, drone.before->kind) && answer.place.host == host_of(before_, *drone.before);
     if (!known)
         require_same(plan_, planned, answer);
     auto otherwise = planned;
@@ -72,12 +73,12 @@ RunningDrones::Running RunningDrones::compared(const SwarmDrone& planned, const 
         if (drone.before && is_enforced(field, plan_.engine_of(planned.host).name))
             field.copy(otherwise, *drone.before);
     drone.now = running_order(answer, otherwise);
-    if (is_of_kind(answer.status, planned.kind))
+    if (is_of_kind(status, planned.kind))
         drone.now.kind = planned.kind;
     drone.wanted = drone.now;
     drone.wanted.name = planned.name;
     drone.wanted.host = planned.host;
-    drone.wanted.swarm = drone.now.swarm = answer.status.swarm;
+    drone.wanted.swarm = drone.now.swarm = status.swarm;
     for (const auto& field : order_fields())
         if (field.is_said(planned) || (drone.before && field.is_said(*drone.before))
             || runs_as_wanted(field, planned, drone.now,
@@ -184,17 +185,19 @@ std::vector<SwarmStep> RunningDrones::add_to(Differences& all)
         }
     const auto answers = application_.asked(names);
     for (std::size_t i = 0; i < drones.size(); ++i) {
-        if (answers[i].error && answers[i].error->code() != Errc::timeout)
-            throw *answers[i].error;
-        if (answers[i].error) {
-            all.silent.push_back({names[i], *answers[i].error});
+        const auto* values = value_of(answers[i].result);
+        if (!values) {
+            const auto& error = std::get<Error>(answers[i].result);
+            if (error.code() != Errc::timeout)
+                throw error;
+            all.silent.push_back({names[i], error});
             continue;
         }
         if (drones[i].restart && !drones[i].shared)
-            add_restart(drones[i], answers[i].result, all);
+            add_restart(drones[i], *values, all);
         if (drones[i].other_kind)
             continue;
-        if (auto step = parameters_of(drones[i], answers[i].result); !step.values.empty())
+        if (auto step = parameters_of(drones[i], *values); !step.values.empty())
             (drones[i].shared ? left : sets).push_back(std::move(step));
     }
     std::ranges::move(sets, std::back_inserter(all.steps));

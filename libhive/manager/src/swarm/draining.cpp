@@ -12,12 +12,14 @@ std::set<std::string> receivers_among(const std::vector<StatusAnswer>& drones)
 {
     std::set<std::string> running, receivers;
     for (const auto& drone : drones)
-        if (!drone.error)
+        if (value_of(drone.status))
             running.insert(drone.drone);
     for (const auto& drone : drones)
-        for (const auto& input : drone.status.inputs)
-            if (const auto sender = parse_endpoint(input.from).drone; sender != drone.drone && running.contains(sender))
-                receivers.insert(drone.drone);
+        if (const auto* status = value_of(drone.status))
+            for (const auto& input : status->inputs)
+                if (const auto sender = parse_endpoint(input.from).drone;
+                    sender != drone.drone && running.contains(sender))
+                    receivers.insert(drone.drone);
     return receivers;
 }
 
@@ -43,7 +45,7 @@ std::vector<std::string> sources(const std::vector<StatusAnswer>& drones)
     const auto receivers = receivers_among(drones);
     std::vector<std::string> names;
     for (const auto& drone : drones)
-        if (!drone.error && !receivers.contains(drone.drone))
+        if (value_of(drone.status) && !receivers.contains(drone.drone))
             names.push_back(drone.drone);
     return names;
 }
@@ -53,8 +55,8 @@ std::vector<std::string> drained(const std::vector<StatusAnswer>& drones)
     const auto receivers = receivers_among(drones);
     std::vector<std::string> names;
     for (const auto& drone : drones)
-        if (drone.error
-            || (!receivers.contains(drone.drone) && !has_in_hand(drone.status) && !has_on_its_way(drone.status)))
+        if (const auto* status = value_of(drone.status);
+            !status || (!receivers.contains(drone.drone) && !has_in_hand(*status) && !has_on_its_way(*status)))
             names.push_back(drone.drone);
     return names;
 }

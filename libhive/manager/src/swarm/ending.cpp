@@ -85,8 +85,8 @@ std::vector<StatusAnswer> Ending::ask(const SwarmWatch& watch)
             names.push_back(drone.name);
     auto answers = application_.status(names);
     std::erase_if(answers, [&](const StatusAnswer& answer) {
-        if (answer.error)
-            return answer.error->code() == Errc::not_found;
+        if (const auto* error = error_of(answer.status))
+            return error->code() == Errc::not_found;
         if (owns(plan_, answer))
             return false;
         left_alone_.insert(answer.drone);
@@ -101,14 +101,14 @@ void Ending::stop(const std::vector<std::string>& drones, event::Clock::time_poi
 {
     std::vector<Answer> silent;
     for (const auto& answer : application_.stop(drones, plan_.name)) {
-        if (!answer.error || answer.error->code() == Errc::not_found)
+        if (const auto* error = error_of(answer.result); !error || error->code() == Errc::not_found)
             ended(answer.drone);
-        else if (answer.error->code() == Errc::refused)
+        else if (error->code() == Errc::refused)
             left_alone_.insert(answer.drone);  // it had not answered before
         else if (is_elsewhere(answer.drone))
             silent.push_back(answer);
         else
-            outcome_.failures.push_back({answer.drone, *answer.error});
+            outcome_.failures.push_back({answer.drone, *error});
     }
     if (!silent.empty())
         stop_silent(silent, end);
@@ -121,7 +121,7 @@ void Ending::stop_silent(const std::vector<Answer>& silent, event::Clock::time_p
     std::map<std::string, std::unique_ptr<Engine>> engines;
     std::map<Engine*, std::vector<std::string>> by_engine;
     std::set<std::string> left;
-    for (const auto& [drone, result, error] : silent) {
+    for (const auto& [drone, result] : silent) {
         const auto& host = plan_.drone(drone)->host;
         auto& engine = engines[host];
         if (!engine)

@@ -37,14 +37,14 @@ Present::Present(Application& application, const std::vector<std::string>& drone
     for (auto asked = drones; !asked.empty();) {
         std::vector<std::string> begun;
         for (auto& answer : application.status(asked))
-            if (!answer.error)
+            if (const auto* error = error_of(answer.status); !error)
                 answers_.emplace(answer.drone, std::move(answer));
-            else if (answer.error->code() == Errc::unreachable && is_here(answer.place) && event::Clock::now() < end)
+            else if (error->code() == Errc::unreachable && is_here(answer.place) && event::Clock::now() < end)
                 begun.push_back(answer.drone);
-            else if (answer.error->code() == Errc::timeout && is_here(answer.place))
+            else if (error->code() == Errc::timeout && is_here(answer.place))
                 silent_.emplace(answer.drone, saved_swarm(event::Home(application.home()), answer.drone));
-            else if (answer.error->code() != Errc::not_found && is_here(answer.place))
-                throw *answer.error;
+            else if (error->code() != Errc::not_found && is_here(answer.place))
+                throw *error;
         asked = std::move(begun);
         if (!asked.empty())
             Inquiry(application).wait(event::Clock::now() + std::chrono::milliseconds(5), {});
@@ -62,7 +62,7 @@ const InputStatus* Present::connection(const SwarmConnection& connection) const
     const auto* receiver = find(connection.to.drone);
     if (!receiver || !find(connection.from.drone))
         return nullptr;
-    for (const auto& input : receiver->status.inputs)
+    for (const auto& input : std::get<Status>(receiver->status).inputs)
         if (meets(connection.to, {connection.to.drone, input.input})
             && meets(connection.from, parse_endpoint(input.from)))
             return &input;
@@ -73,7 +73,7 @@ std::vector<SwarmConnection> Present::connections_of(const std::string& drone) c
 {
     std::vector<SwarmConnection> found;
     for (const auto& [receiver, answer] : answers_)
-        for (const auto& input : answer.status.inputs)
+        for (const auto& input : std::get<Status>(answer.status).inputs)
             if (const auto from = parse_endpoint(input.from); from.drone == drone || receiver == drone)
                 found.push_back({from, {receiver, input.input}, input.options});
     return found;
@@ -96,7 +96,7 @@ void require_same(const SwarmPlan& plan, const SwarmDrone& drone, const StatusAn
 {
     const std::string stop =
         (owns(plan, running) ? "" : "give yours another name, or ") + ("stop it: hivectl stop " + drone.name);
-    if (!is_of_kind(running.status, drone.kind))
+    if (!is_of_kind(std::get<Status>(running.status), drone.kind))
         throw Error(Errc::name_taken,
                     drone.name + " runs already and is a " + running_order(running, drone).kind + ", not a "
                         + drone.kind,
@@ -105,27 +105,31 @@ void require_same(const SwarmPlan& plan, const SwarmDrone& drone, const StatusAn
         throw Error(Errc::name_taken, drone.name + " runs already on " + running.place.host + ", not on " + host, stop);
 }
 
-bool owns(const SwarmPlan& plan, const StatusAnswer& running) { return running.status.swarm == plan.name; }
+bool owns(const SwarmPlan& plan, const StatusAnswer& running)
+{
+    return std::get<Status>(running.status).swarm == plan.name;
+}
 
 std::string owner_text(const StatusAnswer& running)
 {
-    const auto& swarm = running.status.swarm;
+    const auto& swarm = std::get<Status>(running.status).swarm;
     return "brought up by " + (swarm.empty() ? "no swarm" : "the swarm " + swarm);
 }
 
 DroneOrder running_order(const StatusAnswer& answer, const DroneOrder& otherwise)
 {
-    auto order = answer.status.order.value_or(otherwise);
+    const auto& status = std::get<Status>(answer.status);
+    auto order = status.order.value_or(otherwise);
     order.name = hive::drone_of(answer.drone);
-    if (!answer.status.order || order.kind.empty())
-        order.kind = answer.status.kind;
+    if (!status.order || order.kind.empty())
+        order.kind = status.kind;
     order.host = answer.place.host;
     order.set = Json::object();
     for (const auto& field : order_fields())
         if (field.option.empty() && field.type != OrderField::Type::kind)  // for the engine: no drone has it
             field.copy(order, otherwise);
-    order.on_exception = token(answer.status.policy);
-    order.halted = order.halted || answer.status.state == State::halted;
+    order.on_exception = token(status.policy);
+    order.halted = order.halted || status.state == State::halted;
     return order;
 }
 

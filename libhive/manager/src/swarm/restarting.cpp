@@ -67,7 +67,7 @@ void Restarting::stop_new_processes()
     while (!asked.empty()) {
         std::vector<std::string> reached;
         for (const auto& answer : application_.status(asked))
-            if (!answer.error)
+            if (value_of(answer.status))
                 reached.push_back(answer.drone);
         application_.stop_to_restart(reached);
         std::erase_if(asked, [&](const std::string& drone) {
@@ -87,7 +87,7 @@ std::vector<SwarmFailure> Restarting::undo()
     auto remains = now_.undo();
     std::vector<std::string> gone;
     for (const auto& answer : application_.status(drones_))
-        if (answer.error && answer.error->code() == Errc::not_found)
+        if (const auto* error = error_of(answer.status); error && error->code() == Errc::not_found)
             gone.push_back(answer.drone);
     std::ranges::move(before_.run(gone, 60s, {}), std::back_inserter(remains));
     std::ranges::move(connect(differences_.ran.connections), std::back_inserter(remains));
@@ -107,8 +107,8 @@ std::vector<SwarmFailure> failures_in(const std::vector<Answer>& answers)
 {
     std::vector<SwarmFailure> failures;
     for (const auto& answer : answers)
-        if (answer.error && answer.error->code() != Errc::not_found)
-            failures.push_back({answer.drone, *answer.error});
+        if (const auto* error = error_of(answer.result); error && error->code() != Errc::not_found)
+            failures.push_back({answer.drone, *error});
     return failures;
 }
 

@@ -23,7 +23,7 @@ void add_remembered(SwarmDrone& drone, const SwarmDrone& before, const Place& pl
 
 SwarmDrone planned(Application& application, const StatusAnswer& answer, const Json& asked, const SwarmDrone* before)
 {
-    if (before && !is_of_kind(answer.status, before->kind))
+    if (before && !is_of_kind(std::get<Status>(answer.status), before->kind))
         before = nullptr;
     auto drone = running_order(answer, before ? *before : SwarmDrone{});
     drone.set = running_set(application, answer.drone, asked);
@@ -35,7 +35,7 @@ SwarmDrone planned(Application& application, const StatusAnswer& answer, const J
 
 void add_connections(SwarmPlan& plan, const StatusAnswer& answer)
 {
-    for (const auto& input : answer.status.inputs)
+    for (const auto& input : std::get<Status>(answer.status).inputs)
         if (const auto from = parse_endpoint(input.from); plan.drone(from.drone))
             plan.connections.push_back({from, {hive::drone_of(answer.drone), input.input}, input.options});
 }
@@ -56,11 +56,9 @@ SwarmPlan running_plan(Application& application, const std::string& name, const 
     const auto answers = application.status(drones);
     const auto values = application.asked(drones);
     for (std::size_t i = 0; i < answers.size(); ++i) {
-        for (const auto* error : {&answers[i].error, &values[i].error})
-            if (*error)
-                throw **error;
-        auto drone =
-            planned(application, answers[i], values[i].result, remembered.drone(hive::drone_of(answers[i].drone)));
+        value_or_throw(answers[i].status);
+        auto drone = planned(application, answers[i], value_or_throw(values[i].result),
+                             remembered.drone(hive::drone_of(answers[i].drone)));
         if (!remembered.drone(drone.name))
             add_engine(plan, answers[i].place);
         plan.drones.push_back(std::move(drone));

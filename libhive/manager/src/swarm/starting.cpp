@@ -152,14 +152,15 @@ void Starting::look_who_is_ready(const SwarmWatch& watch)
 void Starting::hear(const StatusAnswer& answer, const SwarmWatch& watch)
 {
     const auto& drone = *plan_.drone(answer.drone);
-    if (answer.error && answer.error->code() == Errc::not_permitted)
-        throw engine_of(drone).explained(*answer.error);  // a wrong key does not become right by waiting
-    if (answer.error) {
-        last_errors_.insert_or_assign(drone.name, *answer.error);
-        return engine_of(drone).look_again(drone.name, *answer.error);
+    const auto* error = error_of(answer.status);
+    if (error && error->code() == Errc::not_permitted)
+        throw engine_of(drone).explained(*error);  // a wrong key does not become right by waiting
+    if (error) {
+        last_errors_.insert_or_assign(drone.name, *error);
+        return engine_of(drone).look_again(drone.name, *error);
     }
     last_errors_.erase(drone.name);
-    if (answer.status.state == State::starting)
+    if (std::get<Status>(answer.status).state == State::starting)
         return;
     require_same(plan_, drone, answer);  // another process may have been faster
     if (watch.told && !owns(plan_, answer))

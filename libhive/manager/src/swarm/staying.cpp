@@ -121,14 +121,15 @@ void Staying::hear(const StatusAnswer& answer, const std::vector<std::string>& r
     if (found == cares_.end())
         return;
     auto& care = found->second;
-    if (!answer.error)
+    const auto* error = error_of(answer.status);
+    if (!error)
         care.shared = !owns(*plan_, answer);
     if (care.starting || care.shared)
         return;
-    if (answer.error && answer.error->code() == Errc::timeout)
+    if (error && error->code() == Errc::timeout)
         return hear_silence(answer, care);
     care.silent_since.reset();
-    if (!answer.error) {
+    if (!error) {
         care.missing_since.reset();
         care.restart_at.reset();
         care.begun = care.taken_down = false;
