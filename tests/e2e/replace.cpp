@@ -275,6 +275,40 @@ TEST_CASE("replace: a question that meets neither of the two processes waits for
     CHECK_MESSAGE(failure.empty(), failure);
 }
 
+TEST_CASE("replace: a drone that is told to stop meanwhile stays stopped, while the new one loads and while it waits")
+{
+    for (const bool loads : {true, false}) {
+        Line line({"worker"});
+        const auto& swarm = line.swarm();
+        line.application().set("worker", {{"work_ms", 1500}, {"start_ms", loads ? 1500 : 0}});
+        REQUIRE(eventually([&] { return line.application().status("worker").busy_for_us > 0; }));
+        auto command = swarm.hivectl_running({"replace", "worker"}, "replace");
+        REQUIRE(
+            eventually([&] { return loads ? successors(swarm).size() == 1 : fs::exists(swarm.home() / "worker.next"); },
+                       long_timeout));
+        swarm.hivectl_done({"stop", "worker"}, long_timeout);
+        CHECK(command.wait(patient(10'000ms)) != 0);
+        CHECK_MESSAGE(has(swarm.log("replace"), "worker was stopped while it was being replaced"),
+                      swarm.log("replace"));
+        CHECK(successors(swarm).empty());
+        CHECK(swarm.hivectl({"get", "worker"}).exit_code == 3);
+    }
+}
+
+TEST_CASE("replace: a drone that is restarted meanwhile, and still loads, is replaced when it is ready")
+{
+    const Swarm swarm;
+    swarm.hivectl_done({"start", "sleeper", "--as", "worker"});
+    auto command = swarm.hivectl_running({"replace", "worker", "start_ms=700"}, "replace");
+    REQUIRE(eventually([&] { return successors(swarm).size() == 1; }, long_timeout));
+    swarm.hivectl_done({"stop", "worker"});
+    swarm.hivectl_done({"start", "sleeper", "--as", "worker", "start_ms=1500", "work_ms=3"}, long_timeout);
+    CHECK(command.wait(patient(10'000ms)) == 0);
+    const auto values = swarm.application().get("worker");
+    CHECK(values.at("work_ms") == 3);
+    CHECK(values.at("start_ms") == 700);
+}
+
 TEST_CASE("replace: of two at once one waits or is refused, and one drone runs")
 {
     Line line({"worker"});

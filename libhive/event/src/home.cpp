@@ -172,6 +172,12 @@ void Home::write_return(const std::string& name, const Json& left) const
     replace_by(path(name, return_ending), left, path(name, state_ending));
 }
 
+bool Home::has_state(const std::string& name) const
+{
+    std::error_code ignored;
+    return fs::exists(path(name, state_ending), ignored);
+}
+
 void Home::forget_state(const std::string& name) const noexcept
 {
     std::error_code ignored;

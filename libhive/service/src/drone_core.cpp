@@ -286,12 +286,16 @@ void DroneCore::serve()
     });
 }
 
-/// On the network side.
+/// On the network side. Nobody continues a drone that is told to end while it hands over.
 void DroneCore::end()
 {
-    if (!board_.stop())
+    const bool first = board_.stop();
+    if (!first && !board_.handing_over())
         return;
+    board_.handed_over();
     running_->home.forget_state(self_.name);
+    if (!first)
+        return;
     mailbox_.nudge();
     running_->supervised.stopping();
     if (settings_.ends_process)

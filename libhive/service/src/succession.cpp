@@ -19,8 +19,8 @@ bool is_refusal(const Error& error)
            || error.code() == Errc::invalid_argument;
 }
 
-/// @return its answer; an empty object if there is none
-Json ask_to_hand_over(event::Module& module, const event::Home& home)
+/// @return its answer; nothing if it has none
+std::optional<Json> ask_to_hand_over(event::Module& module, const event::Home& home)
 {
     const auto outcome = std::make_shared<std::optional<event::Outcome>>();
     const auto deadline = Clock::now() + ask_timeout;
@@ -30,11 +30,26 @@ Json ask_to_hand_over(event::Module& module, const event::Home& home)
     });
     module.loop().wait(deadline + 1s, [&] { return outcome->has_value(); });
     if (!*outcome)
-        return Json::object();
-    const auto* error = std::get_if<Error>(&**outcome);
+        return std::nullopt;
+    const auto* error = error_of(**outcome);
     if (error && is_refusal(*error))
         throw *error;
-    return error ? Json::object() : std::get<Json>(**outcome);
+    return error ? std::nullopt : std::optional(std::get<Json>(**outcome));
+}
+
+/// One that was restarted meanwhile may not listen yet. One that has ended needs not be asked.
+bool had_halted(event::Module& module, const event::Home& home, Clock::time_point ready_by)
+{
+    const auto& name = module.self().name;
+    while (home.alive(name)) {
+        if (const auto answer = ask_to_hand_over(module, home))
+            return Fields(*answer, "the answer to stop").flag_or("halted", false);
+        if (Clock::now() > ready_by)
+            throw Error(Errc::timeout, name + " runs, as process " + std::to_string(home.holder(name))
+                                           + ", and did not answer in time");
+        module.loop().wait(Clock::now() + 10ms, [] { return false; });
+    }
+    return false;
 }
 
 /// A file lock does not signal its release, so it is polled every millisecond.
@@ -63,9 +78,11 @@ bool take_over(event::Module& module, const event::Home& home, std::optional<eve
     succession.emplace(home, name, event::NameClaim::To::succession);
     if (Clock::now() > ready_by)
         throw Error(Errc::timeout, "it was not ready in time to take over " + name);
-    const auto answer = home.alive(name) ? ask_to_hand_over(module, home) : Json::object();
+    const bool halted = had_halted(module, home, ready_by);
     await_name(module, home, claim);
-    return Fields(answer, "the answer to stop").flag_or("halted", false);
+    if (!home.has_state(name))
+        throw Error(Errc::stopped, name + " was stopped while it was being replaced");
+    return halted;
 }
 
 }  // namespace hive::service

@@ -41,6 +41,8 @@ public:
 
     /// The state of a drone that is restored after a crash.
     [[nodiscard]] std::optional<Json> read_state(const std::string& name) const;
+    /// Only one that has crashed or is replaced leaves a state.
+    [[nodiscard]] bool has_state(const std::string& name) const;
     void write_state(const std::string& name, const Json& state) const;
     /// What a drone leaves that is started again at once. Writing this removes the state, and the other way round.
     [[nodiscard]] std::optional<Json> read_return(const std::string& name) const;
