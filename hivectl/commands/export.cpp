@@ -3,13 +3,16 @@
 #include "run/swarm_file.hpp"
 #include "words/targets.hpp"
 
+#include <hive/name.hpp>
 #include <hive/program.hpp>
 #include <hive/swarm.hpp>
 #include <hive/swarm_export.hpp>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <set>
 
 namespace hivectl::export_verb {
 namespace {
@@ -47,6 +50,39 @@ hive::SwarmPlan running_plan(const Options& options, Session& session, Outcome& 
     const auto only = plans.size() == 1 ? plans.front().name : "swarm";
     const auto name = options.swarm.empty() ? only : options.swarm;
     return hive::Swarm::running(application, name, names);
+}
+
+/// Keeps these drones and the connections among them. A name without a match is a failure of `outcome`.
+void keep_named(hive::SwarmPlan& plan, const Options& options, Outcome& outcome)
+{
+    const auto is_like = [](const std::string& word) {
+        return [&](const hive::SwarmDrone& drone) { return hive::matches_glob(word, drone.name); };
+    };
+    std::vector<std::string> known;
+    for (const auto& drone : plan.drones)
+        known.push_back(drone.name);
+    for (const auto& word : options.names)
+        if (std::ranges::none_of(plan.drones, is_like(word)))
+            outcome.failed(word,
+                           hive::no_such("no drone matches " + hive::in_quotes(word) + " in " + options.from.file, word,
+                                         known, "see its drones: hivectl export --from " + options.from.file));
+    std::erase_if(plan.drones, [&](const hive::SwarmDrone& drone) {
+        return std::ranges::none_of(options.names, [&](const auto& word) { return is_like(word)(drone); });
+    });
+    std::erase_if(plan.connections,
+                  [&](const auto& each) { return !plan.drone(each.from.drone) || !plan.drone(each.to.drone); });
+}
+
+/// An engine that counts for no drone can be a mistake in a swarm file.
+void drop_unused_engines(hive::SwarmPlan& plan)
+{
+    std::set<std::string> used;
+    for (const auto& drone : plan.drones)
+        if (const auto first = std::ranges::find_if(
+                plan.engines, [&](const auto& engine) { return hive::matches_glob(engine.first, drone.host); });
+            first != plan.engines.end())
+            used.insert(first->first);
+    std::erase_if(plan.engines, [&](const auto& engine) { return !used.contains(engine.first); });
 }
 
 void write_file(const std::filesystem::path& path, const hive::ExportedFile& file)
@@ -92,10 +128,6 @@ int run(const Options& options, Session& session)
     hive::SwarmPlan plan;
     if (options.from.file.empty()) {
         plan = running_plan(options, session, outcome);
-        if (!options.names.empty() && plan.drones.empty())
-            return outcome.exit_code();  // `up` of an empty swarm would stop all drones of its name
-        if (!options.form.empty() && plan.drones.empty())
-            throw hive::Error(hive::Errc::not_found, "no drones to export", "start one: hivectl start KIND");
     } else {
         const auto reading = swarm_reading(options.from, session.timeout(std::chrono::seconds(10)));
         for (const auto& mistake : reading.mistakes)
@@ -103,7 +135,15 @@ int run(const Options& options, Session& session)
         if (!reading.mistakes.empty())
             return exit_code_of(hive::Errc::invalid_argument);
         plan = reading.plan;
+        if (!options.names.empty())
+            keep_named(plan, options, outcome);
     }
+    if (!options.names.empty() && plan.drones.empty())
+        return outcome.exit_code();  // `up` of an empty swarm would stop all drones of its name
+    if (options.from.file.empty() && !options.form.empty() && plan.drones.empty())
+        throw hive::Error(hive::Errc::not_found, "no drones to export", "start one: hivectl start KIND");
+    if (!options.names.empty())
+        drop_unused_engines(plan);
     if (options.form.empty())
         write_out(to_text(plan));
     else
@@ -113,20 +153,25 @@ int run(const Options& options, Session& session)
 
 void declare(CommandLine& line, Options& options)
 {
-    line.option("NAME", options.names, "only these drones or globs (default: all of the swarm, or all that run)");
-    line.option("--swarm", options.swarm, "the name of the swarm (default: the one that was brought up from here)")
-        .type_name("NAME");
-    declare_variables(line, options.from);
+    line.option("NAME", options.names,
+                "only these drones or globs (default: all of the swarm or the file, or all that run)");
+    const auto swarm =
+        line.option("--swarm", options.swarm, "the name of the swarm (default: the one that was brought up from here)")
+            .type_name("NAME");
+    const auto settings = declare_variables(line, options.from);
     const auto form = line.option("--as", options.form,
                                   "output format: systemd units, a compose file, Kubernetes manifests, an sbatch "
                                   "script, or a shell script of hivectl commands")
                           .type_name("FORM")
                           .one_of(hive::export_forms());
-    line.option("--from", options.from.file, "write that swarm file instead of what runs; -: stdin").type_name("FILE");
+    const auto from = line.option("--from", options.from.file, "write that swarm file instead of what runs; -: stdin")
+                          .type_name("FILE")
+                          .excludes(swarm);
+    settings.needs(from);
     line.option("--to", options.folder, "write the files of --as there, and print their names")
         .type_name("FOLDER")
         .needs(form);
-    line.option("--image", options.image, "container image (default hive:latest)").type_name("NAME");
+    line.option("--image", options.image, "container image (default hive:latest)").type_name("NAME").needs(form);
     line.flag("--metrics", options.metrics, "with compose and kubernetes: add a container for hivectl metrics --http")
         .needs(form);
 }

@@ -23,9 +23,9 @@ std::string counted(std::size_t number, const std::string& what)
 
 }  // namespace
 
-void declare_variables(CommandLine& line, SwarmInput& input)
+Option declare_variables(CommandLine& line, SwarmInput& input)
 {
-    line.option("--set", input.settings, "the value of a variable of the file; may be repeated")
+    return line.option("--set", input.settings, "the value of a variable of the file; may be repeated")
         .type_name("NAME=VALUE")
         .one_each();
 }

@@ -12,6 +12,7 @@
 namespace hivectl {
 
 class CommandLine;
+class Option;
 
 /// A swarm file as a command line names it.
 struct SwarmInput {
@@ -19,7 +20,7 @@ struct SwarmInput {
     std::vector<std::string> settings;  ///< --set: values of its variables
 };
 /// Declares --set.
-void declare_variables(CommandLine& line, SwarmInput& input);
+Option declare_variables(CommandLine& line, SwarmInput& input);
 
 /// @param to_be_started  also checks the keys and addresses that its drones need here
 hive::SwarmReading swarm_reading(const SwarmInput& input, std::chrono::milliseconds limit, bool to_be_started = false);

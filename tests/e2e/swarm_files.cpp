@@ -1,6 +1,8 @@
 // Swarm files on the command line: check and schema, and the files in scripts/swarms/.
 #include "swarm.hpp"
 
+#include <hive/swarm_plan.hpp>
+
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -82,6 +84,50 @@ TEST_CASE("swarm files: every mistake is a line to which an editor jumps, and th
                            {"at", "connections[0].to"},
                            {"text", "camera has no output imag"},
                            {"advice", "did you mean image?"}});
+}
+
+TEST_CASE("export --from: names and globs choose drones of the file, and one without a match is refused")
+{
+    const Swarm swarm;
+    const auto file = written(swarm, "lab.json", R"({"swarm": "s", "drones": {
+  "source": {"kind": "ticker", "on": "n1", "insecure": true},
+  "worker": {"kind": "sleeper", "count": 2, "on": ["n1", "n2"], "insecure": true}},
+  "connections": [{"from": "source.tick", "to": "worker-*.image"}],
+  "engines": {"n1": {"ssh": "one"}, "n*": {"ssh": "other"}}})")
+                          .string();
+    const auto exported = [&](std::vector<std::string> words) {
+        words.insert(words.begin(), {"export", "--from", file});
+        return swarm.hivectl(words, patient(15'000ms));
+    };
+    const auto plan_of = [&](const std::vector<std::string>& words) {
+        const auto done = exported(words);
+        CHECK_MESSAGE(done.exit_code == 0, done.err);
+        const auto reading = hive::read_swarm(done.out);
+        CHECK_MESSAGE(reading.mistakes.empty(), done.out);
+        return reading.plan;
+    };
+    const auto workers = plan_of({"worker-*"});
+    CHECK_EQ(workers.drones.size(), 2u);
+    CHECK(workers.drone("worker-2"));
+    CHECK(workers.connections.empty());
+    const auto first = plan_of({"worker-1", "source"});  // "n*" without n2 would be a mistake
+    CHECK_EQ(first.drones.size(), 2u);
+    REQUIRE_EQ(first.connections.size(), 1u);
+    CHECK_EQ(first.connections[0].to.drone, "worker-1");
+    CHECK_EQ(exported({"source", "--as", "shell"}).out.find("sleeper"), std::string::npos);
+
+    const auto some = exported({"wroker-1", "source"});
+    CHECK_EQ(some.exit_code, 8);
+    CHECK_EQ(hive::read_swarm(some.out).plan.drones.size(), 1u);
+    CHECK_EQ(some.err, "hivectl export: no drone matches \"wroker-1\" in " + file + "; did you mean worker-1?\n");
+    for (const std::string form : {"", "shell"}) {
+        auto words = std::vector<std::string>{"nosuch*"};
+        if (!form.empty())
+            words.insert(words.end(), {"--as", form});
+        const auto none = exported(words);
+        CHECK_EQ(none.exit_code, 3);
+        CHECK_EQ(none.out, "");
+    }
 }
 
 TEST_CASE("swarm files: one comes on stdin, and one that is not there is no mistake of JSON")
