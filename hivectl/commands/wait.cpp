@@ -63,24 +63,41 @@ int await(const std::string& name, const std::string& goal, Session& session, st
     }
 }
 
+/// A glob stands for the drones that run now; without any, "gone" is reached.
+std::vector<std::string> drones_meant(const Options& options, hive::Application& application)
+{
+    std::vector<std::string> names;
+    for (const auto& word : options.names) {
+        if (!is_glob(word)) {
+            hive::require_name(word.substr(0, word.find('@')), "drone");
+            add_new(names, {word});
+        } else if (runs(application, word)) {
+            add_new(names, application.find(word));
+        } else if (options.goal != "gone") {
+            throw hive::Error(hive::Errc::not_found, "no running drone matches " + hive::in_quotes(word),
+                              "to wait for one that does not run yet, give its name");
+        }
+    }
+    return names;
+}
+
 int run(const Options& options, Session& session)
 {
-    for (const auto& name : options.names)
-        hive::require_name(name.substr(0, name.find('@')), "drone");
+    const auto names = drones_meant(options, session.application());
     const auto end = std::chrono::steady_clock::now() + session.timeout(10s);
     Waiting waiting("");
-    for (const auto& name : options.names)
+    for (const auto& name : names)
         if (const int code = await(name, options.goal, session, end, waiting); code != exit_code::done)
             return code;
     if (session.json)
-        for (const auto& name : options.names)
+        for (const auto& name : names)
             write_out(Row{{"drone", name}, {"reached", options.goal}}.json() + "\n");
     return exit_code::done;
 }
 
 void declare(CommandLine& line, Options& options)
 {
-    line.option("NAME", options.names, "drones, running or not yet").required();
+    line.option("NAME", options.names, "drones, running or not yet; a glob stands for those that run now").required();
     line.option("--for", options.goal,
                 "running: started and answering (default); idle: nothing to do; halted: taking no events until "
                 "resumed; gone: exited")

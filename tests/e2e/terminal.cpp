@@ -262,6 +262,23 @@ TEST_CASE("command line: advice has the names that are known, and nobody is left
     CHECK(exported.out.empty());
 }
 
+TEST_CASE("wait: a glob stands for the drones that run now, and none of them are gone")
+{
+    const Swarm swarm;
+    const auto one = swarm.drone("sleeper", "w1"), two = swarm.drone("sleeper", "w2");
+    CHECK(swarm.hivectl_done({"wait", "w*", "--json"})
+          == "{\"drone\":\"w1\",\"reached\":\"running\"}\n{\"drone\":\"w2\",\"reached\":\"running\"}\n");
+    const auto stay = swarm.hivectl({"wait", "w?", "--for", "gone", "--timeout", "100ms"});
+    CHECK(stay.exit_code == 124);
+    CHECK(has(stay.err, "w1 is not gone after 100 ms"));
+    const auto none = swarm.hivectl({"wait", "x*", "w*"});
+    CHECK(none.exit_code == 3);
+    CHECK(none.err
+          == "hivectl wait: no running drone matches \"x*\"; to wait for one that does not run yet, give its name\n");
+    swarm.hivectl_done({"stop", "w*"});
+    CHECK(swarm.hivectl_done({"wait", "w*", "--for", "gone"}).empty());
+}
+
 TEST_CASE("command line: a time and a size may have a unit")
 {
     const Swarm swarm;
