@@ -91,6 +91,12 @@ TEST_CASE("names: a second drone of the same name is refused, and told which pro
     const auto started = swarm.hivectl({"start", "sleeper", "--as", "twin"});
     CHECK(started.exit_code == 1);
     CHECK(has(started.err, "twin is running already"));
+    CHECK(has(started.err, "or keep it: if_missing"));
+    CHECK(swarm.hivectl_done({"start", "ticker", "--as", "twin", "--if-missing"}) == "twin\n");
+    const auto other = swarm.hivectl({"start", "sleeper", "--as", "twin", "--if-missing"});
+    CHECK(other.exit_code == 1);
+    CHECK(has(other.err, "twin is running already; its kind is ticker, not sleeper; stop it: hivectl stop twin"));
+    CHECK_FALSE(has(other.err, "if_missing"));
     CHECK(swarm.application().describe("twin").kind == "ticker");  // the first is unaffected
 }
 

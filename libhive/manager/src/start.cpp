@@ -19,6 +19,11 @@ using Life = BackgroundProcess::Life;
 
 constexpr auto time_to_hand_over = 46s;  ///< for the old drone, which may be in a long callback
 
+std::string advice_if_taken(const std::string& name)
+{
+    return "stop it: hivectl stop " + name + "; or start another under another name, such as " + name + "-2";
+}
+
 /// A drone on another machine that does not answer may have been switched off for good.
 void require_free(Application& application, const StartOptions& options)
 {
@@ -35,8 +40,8 @@ void require_free(Application& application, const StartOptions& options)
         return;
     }
     throw Error(Errc::name_taken, name + " is running already" + where,
-                "stop it: hivectl stop " + name + "; start another under another name, such as " + name
-                    + "-2; or keep it: if_missing (hivectl start --if-missing)");
+                advice_if_taken(name)
+                    + (options.if_missing ? "" : "; or keep it: if_missing (hivectl start --if-missing)"));
 }
 
 /// Fills in the defaults.
@@ -58,7 +63,17 @@ std::string reference_of(const Application& application, const StartOptions& opt
     return options.drone.name + "@" + host;
 }
 
-/// The place of a running drone of this name and kind there, once it is ready.
+/// Throws Errc::name_taken if a drone of another kind has the name.
+void require_kind(const Status& status, const SwarmDrone& wanted)
+{
+    if (is_of_kind(status, wanted.kind))
+        return;
+    const auto kind = status.order && !status.order->kind.empty() ? status.order->kind : status.kind;
+    throw Error(Errc::name_taken, wanted.name + " is running already; its kind is " + kind + ", not " + wanted.kind,
+                advice_if_taken(wanted.name));
+}
+
+/// The place of a running drone of this name there, once it is ready. Throws as require_kind().
 std::optional<Place> found_ready(Application& application, const StartOptions& options)
 {
     Inquiry inquiry(application);
@@ -67,8 +82,10 @@ std::optional<Place> found_ready(Application& application, const StartOptions& o
         const auto answer = application.status(std::vector{reference_of(application, options)}).at(0);
         if (const auto* error = error_of(answer.status); error && error->code() == Errc::not_found)
             break;
-        if (const auto* status = value_of(answer.status); status && status->state != State::starting)
-            return is_of_kind(*status, options.drone.kind) ? std::optional(answer.place) : std::nullopt;
+        if (const auto* status = value_of(answer.status); status && status->state != State::starting) {
+            require_kind(*status, options.drone);
+            return answer.place;
+        }
         if (options.cancelled && options.cancelled())
             throw Error(Errc::stopped, "cancelled while " + options.drone.name + " was starting");
     }
