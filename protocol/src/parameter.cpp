@@ -12,6 +12,8 @@ namespace {
 
 std::string shortest(double number)
 {
+    if (std::abs(number) <= static_cast<double>(max_json_integer) && number == std::trunc(number))
+        return std::to_string(static_cast<std::int64_t>(number));  // an integer parameter refuses "6e+05"
     char text[32];
     const auto end = std::to_chars(text, text + sizeof text, number).ptr;
     return {text, end};

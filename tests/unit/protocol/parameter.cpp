@@ -31,6 +31,9 @@ TEST_CASE("parameter: a range reads as people write it")
     CHECK_EQ(range_text(format), "jpeg | png");
     CHECK_EQ(range_text({"a", ParameterType::integer, 1, 1, std::nullopt, {}, "", ""}), "at least 1");
     CHECK_EQ(range_text({"a", ParameterType::integer, 1, std::nullopt, 9.5, {}, "", ""}), "at most 9.5");
+    CHECK_EQ(range_text({"a", ParameterType::integer, 0, 0, 600'000, {}, "", ""}), "0 to 600000");
+    CHECK_EQ(range_text({"a", ParameterType::integer, 0, 0, max_json_integer, {}, "", ""}), "0 to 9007199254740992");
+    CHECK_EQ(range_text({"a", ParameterType::number, 0, 1e-7, 1e20, {}, "", ""}), "1e-07 to 1e+20");
     CHECK_EQ(range_text({"a", ParameterType::text, "", std::nullopt, std::nullopt, {}, "", ""}), "");
 }
 
