@@ -5,6 +5,8 @@
 #include "words/status_line.hpp"
 #include "words/targets.hpp"
 
+#include <filesystem>
+
 namespace hivectl::put_verb {
 namespace {
 
@@ -29,7 +31,8 @@ hive::Json header_of(const std::string& text)
 int run(const Options& options, Session& session)
 {
     const std::string type = options.type.empty() ? media_type_of(options.file) : options.type;
-    if (type.empty())
+    std::error_code ignored;
+    if (type.empty() && (options.file == "-" || std::filesystem::exists(options.file, ignored)))  // else a missing file
         throw hive::Error(hive::Errc::invalid_argument, "unknown media type of " + printable(options.file),
                           "add for example --type image/jpeg");
     const auto header = header_of(options.header);

@@ -286,6 +286,10 @@ TEST_CASE("limits: a file or a value that no drone would take is refused here, a
     const auto put = swarm.hivectl({"put", "face.image", large.string(), "--type", "image/jpeg"});
     CHECK(put.exit_code == 5);
     CHECK(put.err.find("a body of 70000000 bytes, limit 67108864") != std::string::npos);
+    CHECK(has(swarm.hivectl({"put", "face.image", large.string()}).err, "unknown media type of " + large.string()));
+    const auto missing = swarm.hivectl({"put", "face.image", (swarm.home() / "missing").string()});
+    CHECK(missing.exit_code == 1);
+    CHECK(has(missing.err, "missing: No such file or directory"));
     const auto set = swarm.hivectl({"set", "face", "cascade=" + std::string(20'000, 'x')});
     CHECK(set.exit_code == 5);
     CHECK(set.err.find("a string of over 16384 bytes") != std::string::npos);
