@@ -44,6 +44,11 @@ std::string field_advice(const hive::Json& header)
                          : "name fields of the header: --fields " + names + (fields.size() > max_fields ? ",..." : "");
 }
 
+std::string counted(std::size_t count, const char* one, const char* several)
+{
+    return std::to_string(count) + " " + (count == 1 ? one : several);
+}
+
 bool in_a_folder(const std::string& form) { return form == "coco" || form == "yolo"; }
 
 }  // namespace
@@ -112,9 +117,9 @@ void ResultFormat::finish() const
         complain("results", std::to_string(repeated_)
                                 + " results left out: another capture has the same image name; a dataset has each "
                                   "image once");
-    write_out(printable(folder_.string()) + ": " + std::to_string(dataset_.size()) + " images, "
-              + std::to_string(dataset_.coco_results().size()) + " boxes, "
-              + std::to_string(dataset_.categories().size()) + " categories\n");
+    write_out(printable(folder_.string()) + ": " + counted(dataset_.size(), "image", "images") + ", "
+              + counted(dataset_.coco_results().size(), "box", "boxes") + ", "
+              + counted(dataset_.categories().size(), "category", "categories") + "\n");
 }
 
 void ResultFormat::write_coco() const

@@ -36,10 +36,12 @@ TEST_CASE("results --as: csv is printed, coco and yolo fill a folder, and their 
     const Json dataset = Json::parse(written_in(coco / "dataset.json")),
                results = Json::parse(written_in(coco / "results.json"));
     CHECK(dataset.at("images").size() == 3);
-    CHECK(says(summary, "3 images, " + std::to_string(results.size()) + " boxes, 1 categories"));
+    CHECK(says(summary, "3 images, " + std::to_string(results.size()) + " boxes, 1 category"));
     REQUIRE_FALSE(results.empty());
     CHECK(results.size() == dataset.at("annotations").size());
     CHECK(results.at(0).at("bbox") == dataset.at("annotations").at(0).at("bbox"));
+    const auto one = (swarm.home() / "one").string();
+    CHECK(says(swarm.hivectl_done({"results", "face.faces", "-n", "1", "--as", "coco", "-o", one}), ": 1 image, "));
     swarm.hivectl_done({"results", "face.faces", "-n", "3", "--as", "yolo", "-o", yolo.string()});
     CHECK(written_in(yolo / "classes.txt") == "face\n");
     std::vector<std::string> labels;
