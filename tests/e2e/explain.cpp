@@ -249,6 +249,25 @@ TEST_CASE("explain: on demand a source waits for a receiver that is gone, that i
     CHECK(eventually(runs));
 }
 
+TEST_CASE("explain: of all drones, a source on demand is not blamed for the receiver that it waits for")
+{
+    const Swarm swarm;
+    const auto source = swarm.drone("ticker", "source", {"pace=demand"}), worker = swarm.drone("sleeper", "worker");
+    auto application = swarm.application();
+    application.connect({"source", ""}, {"worker", ""});
+    const auto held = awaited(swarm, "explain", "held worker");
+    const auto source_is_quiet = [&] {  // for long enough to be called silent
+        const auto status = application.status("source");
+        return status.epoch + status.uptime_us - status.outputs.at(0).last_emitted_us > 4'000'000;
+    };
+    REQUIRE(eventually(source_is_quiet));
+    for (const std::string words : {"explain", "explain source worker", "explain worker", "explain source"})
+        CHECK(found(swarm, words).causes == "held worker");
+    application.halt("source");
+    const auto both = found(swarm, "explain");
+    CHECK_MESSAGE(both.causes == "halted source, held worker", both.text());
+}
+
 TEST_CASE("explain: a group that has lost its members, and one whose member is suspended")
 {
     const Swarm swarm;

@@ -6,6 +6,7 @@
 #include <hive/name.hpp>
 #include <hive/printable.hpp>
 #include <hive/program.hpp>
+#include <hive/stall.hpp>
 #include <hive/transport/address.hpp>
 
 #include <algorithm>
@@ -347,7 +348,7 @@ Cause& Search::slow(const StatusAnswer& answer, const std::string& evidence)
     return cause;
 }
 
-/// For a drone that nothing blocks and that reports no cause.
+/// For a drone that nothing blocks and that reports no cause. The walk may have found its causes before.
 void Search::quiet(const StatusAnswer& answer, const std::string& port)
 {
     const auto& status = std::get<Status>(answer.status);
@@ -359,6 +360,8 @@ void Search::quiet(const StatusAnswer& answer, const std::string& port)
         const auto usual = output.produced > 0 ? (output.last_emitted_us - status.epoch) / output.produced : 0;
         if (quiet_us(status, output) < std::max(recent_us, periods * usual))
             continue;
+        if (stalls(status, output) || (status.inputs.empty() && own(answer)))
+            continue;  // it reports why
         const auto end = answer.drone + "." + output.name;
         const auto since = "nothing for " + duration_text(quiet_us(status, output)) + ", "
                            + std::to_string(output.produced) + " events before";

@@ -136,15 +136,17 @@ void Search::link(const StatusAnswer& receiver, const InputStatus& input)
     }
 }
 
-void Search::outputs(const StatusAnswer& answer, const std::string& port)
+bool Search::outputs(const StatusAnswer& answer, const std::string& port)
 {
     const auto& status = std::get<Status>(answer.status);
+    bool explained = false;
     for (const auto& output : status.outputs)
         if (is_meant(output, port) && stalls(status, output))
-            waits(answer, output);
+            explained |= waits(answer, output);
+    return explained;
 }
 
-void Search::waits(const StatusAnswer& answer, const OutputStatus& output)
+bool Search::waits(const StatusAnswer& answer, const OutputStatus& output)
 {
     const auto end = answer.drone + "." + output.name;
     const auto since = "nothing for " + duration_text(quiet_us(std::get<Status>(answer.status), output));
@@ -160,30 +162,36 @@ void Search::waits(const StatusAnswer& answer, const OutputStatus& output)
         add(Cause::What::watched, answer.drone,
             "only headers of " + end + " are received, and on demand it waits for a receiver of bodies", since);
     else
-        for (const auto* edge : awaited(output))
-            below(answer, output, *edge);
+        return below(answer, output);
+    return true;
 }
 
-/// Finds why a receiver does not accept waiting events.
-void Search::below(const StatusAnswer& sender, const OutputStatus& output, const EdgeStatus& edge)
+bool Search::below(const StatusAnswer& sender, const OutputStatus& output)
+{
+    bool explained = false;
+    for (const auto* edge : awaited(output))
+        explained |= below(sender, output, *edge);
+    return explained;
+}
+
+bool Search::below(const StatusAnswer& sender, const OutputStatus& output, const EdgeStatus& edge)
 {
     const auto* answer = look_.find(parse_endpoint(edge.receiver).drone);
     const auto* error = answer ? error_of(answer->status) : nullptr;
     const bool missing = !answer || (error && error->code() == Errc::not_found);
-    if (edge.receiver == self_ || !waited_for_.insert(answer ? answer->drone : edge.receiver).second)
-        return;
+    if (edge.receiver == self_)
+        return false;
+    const auto [explained, is_first] = waited_for_.try_emplace(answer ? answer->drone : edge.receiver, false);
+    if (!is_first)
+        return explained->second;  // false in a cycle, which is examined now
     const Wait wait{sender.drone + "." + output.name, edge, quiet_us(std::get<Status>(sender.status), output)};
-    const auto found = causes_.size();
-    if (missing) {
+    if (missing)
         missing_receiver(sender, wait);
-    } else if (error) {
+    else if (error)
         silent(*answer, wait.text());
-    } else {
-        if (!own(*answer, edge.connected))
-            outputs(*answer, "");
-        if (causes_.size() == found)
-            receiver(*answer, wait);
-    }
+    else if (!own(*answer, edge.connected) && !outputs(*answer, ""))
+        receiver(*answer, wait);
+    return explained->second = true;
 }
 
 /// The receiver of a sender on another machine is known here only if it was on this one.

@@ -6,6 +6,7 @@
 #include <hive/explain.hpp>
 
 #include <functional>
+#include <map>
 #include <optional>
 #include <set>
 #include <string>
@@ -93,12 +94,15 @@ private:
     void dropping(const StatusAnswer& answer, const InputStatus& input);
     void copied(const StatusAnswer& answer, const InputStatus& input);
     void encoded(const StatusAnswer& answer, const InputStatus& input);
-    void outputs(const StatusAnswer& answer, const std::string& port);
+    /// Examines what stalled outputs wait for. @return whether a cause is known, found now or before
+    bool outputs(const StatusAnswer& answer, const std::string& port);
     /// For a running source without receivers.
     void unreceived(const StatusAnswer& answer);
     void quiet(const StatusAnswer& answer, const std::string& port);
-    void waits(const StatusAnswer& answer, const OutputStatus& output);
-    void below(const StatusAnswer& sender, const OutputStatus& output, const EdgeStatus& edge);
+    bool waits(const StatusAnswer& answer, const OutputStatus& output);
+    /// Finds why receivers do not accept waiting events. @return as outputs()
+    bool below(const StatusAnswer& sender, const OutputStatus& output);
+    bool below(const StatusAnswer& sender, const OutputStatus& output, const EdgeStatus& edge);
     [[nodiscard]] bool may_be_started(const std::string& drone, const StatusAnswer& sender) const;
     void missing_receiver(const StatusAnswer& sender, const Wait& wait);
     void receiver(const StatusAnswer& answer, const Wait& wait);
@@ -118,7 +122,8 @@ private:
     const Look* earlier_;
     const Absent& absent_;
     std::string self_;
-    std::set<std::string> seen_, waited_for_;
+    std::set<std::string> seen_;
+    std::map<std::string, bool> waited_for_;  ///< receivers; true: examined, so their causes are known
     std::vector<std::string> passed_;
     std::vector<Cause> causes_;
 };
