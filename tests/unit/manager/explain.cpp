@@ -90,6 +90,15 @@ void wait_for(Look& look, std::size_t sender, std::size_t receiver, const std::s
         from.why = Reason::backlog;
 }
 
+/// Events of outputs without receivers.
+void hold(Look& look, std::size_t drone, const std::vector<std::string>& outputs)
+{
+    auto& status = status_at(look, drone);
+    status.why = Reason::backlog;
+    for (const auto& name : outputs)
+        status.outputs.push_back({.name = name, .type = {}, .lossless = true, .why = Reason::held});
+}
+
 /// "halted worker, held face", of all drones in this order, as found in two equal looks.
 std::string all_causes(const Look& look, const std::vector<std::size_t>& order)
 {
@@ -341,6 +350,19 @@ TEST_CASE("explain: drones that wait for each other in a cycle have one cause")
     CHECK_MESSAGE((found == "waits one" || found == "waits two"), found);
     status_at(look, 2).state = State::halted;
     check_in_any_order(look, "halted two");
+}
+
+TEST_CASE("explain: each output that holds events is listed once")
+{
+    Look look{{answer("source"), answer("face")}};
+    wait_for(look, 0, 1);
+    hold(look, 1, {"faces", "annotated", "boxes"});
+    check_in_any_order(look, "held face, held face, held face");
+    const auto found = causes(look);
+    REQUIRE(found.size() == 3);
+    CHECK(found[0].text == "lossless events of face.faces wait for a receiver of bodies");
+    CHECK(found[1].text == "lossless events of face.annotated wait for a receiver of bodies");
+    CHECK(found[2].text == "lossless events of face.boxes wait for a receiver of bodies");
 }
 
 TEST_CASE("explain: what is slow for all drones of a machine is said once, with those that use most")

@@ -127,9 +127,10 @@ std::int64_t work_us(const Status& status)
 Cause& Search::add(What what, const std::string& drone, const std::string& text, const std::string& evidence,
                    const std::string& command)
 {
-    const auto is_same = [&](const Cause& cause) { return cause.what == what && cause.drone == drone; };
-    if (const auto known = std::ranges::find_if(causes_, is_same);
-        known != causes_.end() && known->text == printable(text))
+    const auto is_same = [&](const Cause& cause) {
+        return cause.what == what && cause.drone == drone && cause.text == printable(text);
+    };
+    if (const auto known = std::ranges::find_if(causes_, is_same); known != causes_.end())
         return *known;
     return causes_.emplace_back(
         Cause{.what = what, .drone = drone, .text = printable(text), .evidence = evidence, .command = command});

@@ -110,7 +110,7 @@ private:
     Cause& receiver_cause(const StatusAnswer& answer, const Wait& wait);
     Cause& slow(const StatusAnswer& answer, const std::string& evidence);
 
-    /// Adds a cause, once per kind, drone and connection.
+    /// Adds a cause, once per kind, drone and text.
     Cause& add(Cause::What what, const std::string& drone, const std::string& text, const std::string& evidence = {},
                const std::string& command = {});
     /// The status of the drone at the earlier look, if it is the same run.
