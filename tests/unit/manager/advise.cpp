@@ -61,6 +61,23 @@ TEST_CASE("advise: one more worker doubles the rate, up to that of the source")
     CHECK(candidates(slow, Goal::fps).empty());
 }
 
+TEST_CASE("advise: an event of each member that is missing in a short measurement is not time on the connection")
+{
+    auto shared = line(100, 100'000);
+    auto& workers = shared.stages[1];
+    workers.members = {"face", "face-2"};
+    workers.per_s = 16;  // in half a second 8 of 10
+    fit(shared);
+    CHECK(limits(shared).front().what == Station::What::window);
+    shared.time_us = 500'000;
+    fit(shared);
+    CHECK(limits(shared).front().what == Station::What::work);
+    CHECK(limits(shared).front().max_per_s == doctest::Approx(20));
+    workers.per_s = 10;
+    fit(shared);
+    CHECK(limits(shared).front().what == Station::What::window);
+}
+
 TEST_CASE("advise: if processors are full, one more worker that computes gives nothing, and one that sleeps doubles")
 {
     auto full = line(100, 50'000);

@@ -354,9 +354,10 @@ void try_encodings(Application& application, Line& line)
     }
 }
 
-Line line_of(Application& application, const Looks& looks, const AllSeen& seen, const std::vector<Step>& way)
+Line line_of(Application& application, const Looks& looks, const AllSeen& seen, const std::vector<Step>& way,
+             std::chrono::milliseconds time)
 {
-    Line line;
+    Line line{.time_us = std::chrono::duration<double, std::micro>(time).count()};
     for (std::size_t i = 0; i < way.size(); ++i)
         line.stages.push_back(stage_of(looks, seen, way, i));
     for (std::size_t i = 1; i < line.stages.size(); ++i)
@@ -403,8 +404,7 @@ std::vector<Measured> measure(Application& application, const std::vector<std::s
     std::vector<Measured> measured;
     for (const auto& way : ways)
         try {
-            measured.push_back({way, line_of(application, looks, seen, way)});
-            measured.back().line.time_us = std::chrono::duration<double, std::micro>(time).count();
+            measured.push_back({way, line_of(application, looks, seen, way, time)});
         } catch (const Error&) {  // a drone that restarts repeatedly must not hide the other lines
             if (ways.size() == 1)
                 throw;

@@ -72,13 +72,16 @@ double stage_per_s(const Stage& stage)
     return lowest;
 }
 
+/// An event that ends just after the measurement is missing in the rate.
+double one_event_per_s(const Line& line) { return line.time_us > 0 ? second_us / line.time_us : 0; }
+
 /// Of a saturated stage: the time of an event on the connection besides the round trip and the encoding.
-double saturated_transit_us(const Stage& stage)
+double saturated_transit_us(const Stage& stage, double one_event)
 {
     const double cycle = stage.share * stage.size() * second_us / stage.per_s, window = stage.options.window;
     const double known = stage.round_trip_us + stage.encode_us + stage.work_us;
     if (!streams(stage) && stage.options.window == 1)
-        return std::max(0.0, cycle - known);
+        return std::max(0.0, stage.share * stage.size() * second_us / (stage.per_s + stage.size() * one_event) - known);
     const bool works = stage.work_us >= busy * cycle, encodes = stage.encode_us * stage.per_s >= busy * second_us;
     if (works || encodes)
         return 0;
@@ -145,7 +148,7 @@ void fit(Line& line)
             continue;
         const auto between = between_us(line, i);
         if (stage.saturated)
-            stage.transit_us = saturated_transit_us(stage);
+            stage.transit_us = saturated_transit_us(stage, one_event_per_s(line));
         else if (between)
             stage.transit_us = std::max(0.0, *between - stage.queue_us - stage.round_trip_us / 2 - stage.encode_us);
     }
@@ -179,9 +182,9 @@ double rate(const Line& line)
 bool explains_rate(const Line& line)
 {
     constexpr double fits = 1.15;
-    const double one_event = line.time_us > 0 ? second_us / line.time_us : 0;
     return line.per_s() > 0
-           && (rate(line) < fits * line.per_s() + one_event || std::ranges::any_of(line.stages, &Stage::saturated));
+           && (rate(line) < fits * line.per_s() + one_event_per_s(line)
+               || std::ranges::any_of(line.stages, &Stage::saturated));
 }
 
 double latency(const Line& line)
