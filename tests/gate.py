@@ -79,7 +79,7 @@ def main(arguments):
         print(f"gate: {len(first.failed)} failed; each is run again alone, twice", flush=True)
         again = run_tests(preset, ["--rerun-failed", "-j", "1", "--repeat", "until-fail:2"]).failed
     broken = again if len(first.failed) <= MAX_RERUN else first.failed
-    left = number_of_tests(preset, options) - first.number
+    left = number_of_tests(preset, options) - first.number if "--stop-time" in options else 0
     flaky = {name: reason for name, reason in first.failed.items()
              if name not in broken and not (left > 0 and reason.startswith(UNKNOWN))}  # those were cut
     report(f"skipped: {name} ({reason})" for name, reason in first.skipped.items())

@@ -129,9 +129,9 @@ void Round::perform(const Step& step)
     case Verb::kill: wait(std::chrono::milliseconds(step.number)); break;
     case Verb::fail:
         ground_.perform(step);
-        return step.second == static_cast<int>(Failure::hangs)
-                   ? wait(std::chrono::milliseconds(step.number), step.drone)
-                   : void();
+        if (step.second == static_cast<int>(Failure::hangs))
+            wait(std::chrono::milliseconds(step.number), step.drone);
+        return;
     case Verb::start:
         if (stopped_.erase(step.drone) > 0 && plan_.topology.is_worker(step.drone))
             values_.began(step.drone, first_setting);

@@ -286,7 +286,7 @@ void DroneCore::serve()
     });
 }
 
-/// On the network side. Nobody continues a drone that is told to end while it hands over.
+/// On the network side. If it is handing over, its successor finds no state and ends, too.
 void DroneCore::end()
 {
     const bool first = board_.stop();

@@ -37,8 +37,9 @@ std::optional<Json> ask_to_hand_over(event::Module& module, const event::Home& h
     return error ? std::nullopt : std::optional(std::get<Json>(**outcome));
 }
 
-/// One that was restarted meanwhile may not listen yet. One that has ended needs not be asked.
-bool had_halted(event::Module& module, const event::Home& home, Clock::time_point ready_by)
+/// Asks until there is an answer, since one that was restarted meanwhile may not listen yet. One that has ended need
+/// not be asked. @return had it halted?
+bool hand_over(event::Module& module, const event::Home& home, Clock::time_point ready_by)
 {
     const auto& name = module.self().name;
     while (home.alive(name)) {
@@ -78,7 +79,7 @@ bool take_over(event::Module& module, const event::Home& home, std::optional<eve
     succession.emplace(home, name, event::NameClaim::To::succession);
     if (Clock::now() > ready_by)
         throw Error(Errc::timeout, "it was not ready in time to take over " + name);
-    const bool halted = had_halted(module, home, ready_by);
+    const bool halted = hand_over(module, home, ready_by);
     await_name(module, home, claim);
     if (!home.has_state(name))
         throw Error(Errc::stopped, name + " was stopped while it was being replaced");
